@@ -1,0 +1,25 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs those packages of debian-packages.txt that are missing; does nothing if there are none.
+set -eu
+
+packages=$(sed 's/#.*//' "$(dirname "$0")/debian-packages.txt")
+missing=
+for package in $packages; do
+  case $(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true) in
+    installed) ;;
+    *) missing="$missing $package" ;;
+  esac
+done
+if [ -z "$missing" ]; then
+  exit 0
+fi
+
+echo "Installing Debian packages:$missing"
+sudo=
+if [ "$(id -u)" -ne 0 ]; then
+  sudo=sudo
+fi
+$sudo apt-get -q update
+# shellcheck disable=SC2086 # one word per package
+$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends $missing

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file BSplineVolumeData.h
+/// Between VTK data objects and the core's view of a multi-block B-spline volume.
+///
+/// A volume is a tree of vtkStructuredGrid, or one vtkStructuredGrid, whose points are the control points of a block, i
+/// fastest. Blocks are numbered and named as in HexBlockData.h. Arrays of a block:
+///
+/// | array              | where | type    | values |
+/// |--------------------|-------|---------|--------|
+/// | `Degree`           | field | int     | 3: degree per direction, 1..MaxDegree |
+/// | `KnotsU`, `KnotsV`, `KnotsW` | field | double | dimension + degree + 1, non-decreasing |
+/// | `ControlPointRule` | point | unsigned char | optional: bsv::ControlPointRule |
+///
+/// The root's field data holds `Interfaces`, `Boundaries` and `BoundaryNames` as in HexBlockData.h; every entry must span
+/// whole faces.
+#pragma once
+
+#include "BSplineVolumeFiltersModule.h"
+
+#include "BSplineVolume.h"
+#include "BlockMesh.h"
+
+#include "vtkSmartPointer.h"
+
+#include <string>
+#include <vector>
+
+class vtkDataObject;
+class vtkPartitionedDataSetCollection;
+class vtkStructuredGrid;
+
+namespace bsv
+{
+
+/// The core's view of a volume. It may point into the grids: keep them, and do not change their points.
+struct BSplineVolumeBlocks
+{
+  std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+  std::vector<std::string> names;
+  std::vector<BSplineVolume> volumes;
+  /// One code per control point, or null.
+  std::vector<const unsigned char*> rules;
+
+  /// Whether the input has the array `Interfaces`. Ranges count control points.
+  bool hasInterfaces = false;
+  std::vector<Interface> interfaces;
+  std::vector<BoundaryPatch> boundaries;
+  std::vector<std::string> boundaryNames;
+
+  /// Where a message is about this block: "block 3 'wing'".
+  std::string label(std::size_t block) const
+  {
+    return "block " + std::to_string(block) + " '" + this->names[block] + "'";
+  }
+};
+
+/// Points in double precision are not copied.
+/// @throws Error for what blockMesh() refuses, missing arrays, arrays of the wrong type or size, knots that
+/// checkBSplineVolume() refuses, and interfaces or boundaries that cover only part of a face.
+BSPLINEVOLUMEFILTERS_EXPORT BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input);
+
+/// Writes degree and knots of a block to its field data.
+BSPLINEVOLUMEFILTERS_EXPORT void setDegreeAndKnots(vtkStructuredGrid* grid, const BSplineVolume& volume);
+
+/// Writes the whole-face interfaces and boundaries to the collection's field data.
+BSPLINEVOLUMEFILTERS_EXPORT void setWholeFaceContacts(vtkPartitionedDataSetCollection* collection,
+  const std::vector<Interface>& interfaces, const std::vector<BoundaryPatch>& boundaries,
+  const std::vector<std::string>& boundaryNames);
+
+} // namespace bsv

@@ -1,0 +1,740 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BlockComplex.h"
+
+#include "BlockSurface.h"
+#include "Gluing.h"
+#include "MeshCheck.h"
+#include "Splitting.h"
+#include "UnionFind.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+namespace bsv
+{
+
+namespace
+{
+
+/// Names listed in a message before "..".
+constexpr std::size_t MostListed = 5;
+
+std::string listed(const std::vector<std::string>& names)
+{
+  std::string result;
+  for (std::size_t n = 0; n < names.size() && n < MostListed; ++n)
+  {
+    result += (n == 0 ? "" : ", ") + names[n];
+  }
+  return names.size() > MostListed ? result + ", .." : result;
+}
+
+std::string counted(Index count, const std::string& one, const std::string& many)
+{
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+/// Lexicographic order of x, y, z; of equal ones, that with negative zeros first.
+bool before(const Vec3& a, const Vec3& b)
+{
+  for (int d = 0; d < 3; ++d)
+  {
+    if (a[d] != b[d])
+    {
+      return a[d] < b[d];
+    }
+  }
+  for (int d = 0; d < 3; ++d)
+  {
+    if (std::signbit(a[d]) != std::signbit(b[d]))
+    {
+      return std::signbit(a[d]);
+    }
+  }
+  return false;
+}
+
+/// Disjoint sets of directed items: every item runs with or against its representative.
+class DirectedUnionFind
+{
+public:
+  explicit DirectedUnionFind(Index count)
+    : Parent(static_cast<std::size_t>(count))
+    , Against(static_cast<std::size_t>(count), false)
+  {
+    std::iota(this->Parent.begin(), this->Parent.end(), Index(0));
+  }
+
+  /// Representative, and whether the item runs against it.
+  std::pair<Index, bool> find(Index item)
+  {
+    Index root = item;
+    bool against = false;
+    while (this->Parent[root] != root)
+    {
+      against ^= this->Against[root] != 0;
+      root = this->Parent[root];
+    }
+    const bool result = against;
+    while (this->Parent[item] != root)
+    {
+      const Index next = this->Parent[item];
+      const bool step = this->Against[item] != 0;
+      this->Parent[item] = root;
+      this->Against[item] = against;
+      against ^= step;
+      item = next;
+    }
+    return { root, result };
+  }
+
+  /// False if the two are one already, in the other direction.
+  bool unite(Index a, Index b, bool reversed)
+  {
+    const auto rootA = this->find(a);
+    const auto rootB = this->find(b);
+    const bool against = rootA.second ^ rootB.second ^ reversed;
+    if (rootA.first == rootB.first)
+    {
+      return !against;
+    }
+    const Index small = std::min(rootA.first, rootB.first);
+    const Index large = std::max(rootA.first, rootB.first);
+    this->Parent[large] = small;
+    this->Against[large] = against;
+    return true;
+  }
+
+private:
+  std::vector<Index> Parent;
+  std::vector<char> Against;
+};
+
+class Builder
+{
+public:
+  Builder(const BlockMesh& mesh, const BlockComplexOptions& options, const Execution& run)
+    : Mesh(mesh)
+    , Options(options)
+    , Run(run)
+    , Check(checkMesh(mesh, options.allowDegenerate, this->part(0.0, 0.4)))
+    , Surface(mesh)
+    , Links(glue(mesh, this->Surface, this->Check.leftHanded, options, this->part(0.4, 0.8)))
+    , Creases(mesh, this->Surface, this->Links, this->Check.leftHanded, options.creaseAngle)
+    , Cuts(cutPositions(mesh, this->Surface, this->Links, this->Creases, run))
+  {
+    run.report(0.85);
+  }
+
+  BlockComplex build()
+  {
+    this->Result.boundaryNames = this->Mesh.boundaryNames;
+    this->makePieces();
+    this->makeFaces();
+    this->makeVerticesAndEdges();
+    this->Run.report(0.9);
+    this->refuseFoldedContacts();
+    this->weld();
+    this->warn();
+    this->Run.report(1.0);
+    return std::move(this->Result);
+  }
+
+private:
+  /// The caller's execution with its progress in [0, 1] told as one of [from, to].
+  Execution part(double from, double to) const
+  {
+    Execution result = this->Run;
+    const auto progress = this->Run.progress;
+    result.progress = [=](double fraction) { return progress(from + fraction * (to - from)); };
+    return result;
+  }
+
+  int cutCount(int parent, int direction) const { return static_cast<int>(this->Cuts[parent][direction].size()) - 1; }
+
+  int piece(int parent, const Ijk& at) const
+  {
+    return this->FirstPiece[parent] +
+      at[0] + this->cutCount(parent, 0) * (at[1] + this->cutCount(parent, 1) * at[2]);
+  }
+
+  void makePieces()
+  {
+    for (int b = 0; b < this->Surface.blockCount(); ++b)
+    {
+      const MeshBlock& parent = this->Mesh.blocks[b];
+      const CutPositions& cuts = this->Cuts[b];
+      const std::string name = parent.name.empty() ? "Block " + std::to_string(b) : parent.name;
+      const Ijk n{ this->cutCount(b, 0), this->cutCount(b, 1), this->cutCount(b, 2) };
+      const bool whole = n[0] * n[1] * n[2] == 1;
+      this->FirstPiece.push_back(static_cast<int>(this->Result.blocks.size()));
+      for (int k = 0; k < n[2]; ++k)
+      {
+        for (int j = 0; j < n[1]; ++j)
+        {
+          for (int i = 0; i < n[0]; ++i)
+          {
+            ComplexBlock block;
+            block.parent = b;
+            block.offset = { cuts[0][i], cuts[1][j], cuts[2][k] };
+            block.points = parent.points.box(block.offset, { cuts[0][i + 1], cuts[1][j + 1], cuts[2][k + 1] });
+            block.leftHanded = this->Check.leftHanded[b];
+            block.faces.fill(-1);
+            block.name = whole ? name : name + "." + std::to_string(i + n[0] * (j + n[1] * k));
+            this->Result.blocks.push_back(std::move(block));
+            this->PieceAt.push_back({ i, j, k });
+          }
+        }
+      }
+    }
+  }
+
+  /// Whether a face of a piece lies on the surface of its parent.
+  bool onSurface(const FaceUse& use) const
+  {
+    const int d = faceDirection(use.face);
+    const int last = this->cutCount(this->Result.blocks[use.block].parent, d) - 1;
+    return this->PieceAt[use.block][d] == (faceSide(use.face) ? last : 0);
+  }
+
+  /// Surface quadrilateral of the parent at (s, t) of a piece's face, which must be on the surface.
+  QuadAt quadOf(const FaceUse& use, int s, int t) const
+  {
+    const ComplexBlock& block = this->Result.blocks[use.block];
+    return { block.parent, use.face, block.offset[faceAxis(use.face, 0)] + s,
+      block.offset[faceAxis(use.face, 1)] + t };
+  }
+
+  /// Piece that has a surface quadrilateral.
+  int pieceOf(const QuadAt& quad) const
+  {
+    const CutPositions& cuts = this->Cuts[quad.block];
+    const auto slot = [&](int direction, int position) {
+      const std::vector<int>& c = cuts[direction];
+      return static_cast<int>(std::upper_bound(c.begin(), c.end(), position) - c.begin()) - 1;
+    };
+    Ijk at{};
+    const int normal = faceDirection(quad.face);
+    at[normal] = faceSide(quad.face) ? this->cutCount(quad.block, normal) - 1 : 0;
+    at[faceAxis(quad.face, 0)] = slot(faceAxis(quad.face, 0), quad.s);
+    at[faceAxis(quad.face, 1)] = slot(faceAxis(quad.face, 1), quad.t);
+    return this->piece(quad.block, at);
+  }
+
+  void makeFaces()
+  {
+    for (int b = 0; b < static_cast<int>(this->Result.blocks.size()); ++b)
+    {
+      for (int face = 0; face < 6; ++face)
+      {
+        if (this->Result.blocks[b].faces[face] < 0)
+        {
+          this->makeFace({ b, face });
+        }
+      }
+    }
+  }
+
+  void makeFace(const FaceUse& use)
+  {
+    const int id = static_cast<int>(this->Result.faces.size());
+    const ComplexBlock& block = this->Result.blocks[use.block];
+    ComplexFace result;
+    result.uses = { use };
+    if (!this->onSurface(use))
+    {
+      Ijk neighbor = this->PieceAt[use.block];
+      neighbor[faceDirection(use.face)] += faceSide(use.face) ? 1 : -1;
+      result.uses.push_back({ this->piece(block.parent, neighbor), use.face ^ 1 });
+    }
+    else
+    {
+      const QuadAt at = this->quadOf(use, 0, 0);
+      const Index quad = this->Surface.quad(at);
+      if (this->Links.boundary(quad))
+      {
+        result.tag = this->Links.tag(quad);
+      }
+      else
+      {
+        const QuadAt other = this->Surface.quadAt(this->Links.partner(quad), at.block);
+        result.orientation = this->Links.orientation(quad);
+        result.uses.push_back({ this->pieceOf(other), other.face });
+      }
+    }
+    for (const FaceUse& side : result.uses)
+    {
+      int& slot = this->Result.blocks[side.block].faces[side.face];
+      if (slot >= 0)
+      {
+        throw Error("faces of " + this->Result.blocks[side.block].name + " and " + block.name +
+          " do not meet one to one");
+      }
+      slot = id;
+    }
+    if (!result.boundary())
+    {
+      const FaceUse& b = result.uses[1];
+      const int swap = swapsAxes(result.orientation) ? 1 : 0;
+      for (int axis = 0; axis < 2; ++axis)
+      {
+        if (block.cells(faceAxis(use.face, axis)) !=
+          this->Result.blocks[b.block].cells(faceAxis(b.face, axis ^ swap)))
+        {
+          throw Error("faces of " + block.name + " and " + this->Result.blocks[b.block].name + " differ in size");
+        }
+      }
+    }
+    this->Result.faces.push_back(std::move(result));
+  }
+
+  void makeVerticesAndEdges()
+  {
+    const int blockCount = static_cast<int>(this->Result.blocks.size());
+    UnionFind corners(8 * Index(blockCount));
+    DirectedUnionFind edges(12 * Index(blockCount));
+    for (const ComplexFace& face : this->Result.faces)
+    {
+      if (!face.boundary())
+      {
+        this->unite(face, corners, edges);
+      }
+    }
+    std::vector<int> vertexOf(8 * std::size_t(blockCount), -1);
+    std::vector<int> edgeOf(12 * std::size_t(blockCount), -1);
+    std::vector<char> against(12 * std::size_t(blockCount), false);
+    for (int b = 0; b < blockCount; ++b)
+    {
+      ComplexBlock& block = this->Result.blocks[b];
+      for (int c = 0; c < 8; ++c)
+      {
+        int& id = vertexOf[corners.find(8 * Index(b) + c)];
+        if (id < 0)
+        {
+          id = static_cast<int>(this->Result.vertices.size());
+          this->Result.vertices.emplace_back();
+        }
+        block.vertices[c] = id;
+        this->Result.vertices[id].corners.push_back({ b, c });
+      }
+      for (int e = 0; e < 12; ++e)
+      {
+        const auto root = edges.find(12 * Index(b) + e);
+        int& id = edgeOf[root.first];
+        const int cells = block.cells(edgeDirection(e));
+        if (id < 0)
+        {
+          id = static_cast<int>(this->Result.edges.size());
+          against[root.first] = root.second;
+          ComplexEdge edge;
+          edge.vertices = { block.vertices[edgeCorner(e, 0)], block.vertices[edgeCorner(e, 1)] };
+          edge.cells = cells;
+          this->Result.edges.push_back(edge);
+        }
+        ComplexEdge& edge = this->Result.edges[id];
+        if (edge.cells != cells)
+        {
+          throw Error("edges of " + block.name + " and " + this->Result.blocks[edge.uses[0].block].name +
+            " that meet have " + std::to_string(cells) + " and " + std::to_string(edge.cells) + " cells");
+        }
+        block.edges[e] = id;
+        block.edgeReversed[e] = root.second != (against[root.first] != 0);
+        edge.uses.push_back({ b, e, block.edgeReversed[e] });
+      }
+    }
+    for (const ComplexFace& face : this->Result.faces)
+    {
+      if (face.boundary())
+      {
+        this->markBoundary(face.uses[0]);
+      }
+    }
+  }
+
+  void unite(const ComplexFace& face, UnionFind& corners, DirectedUnionFind& edges) const
+  {
+    const FaceUse& a = face.uses[0];
+    const FaceUse& b = face.uses[1];
+    const auto onB = [&](int cs, int ct) { return mapFacePoint(face.orientation, cs, ct, 1, 1); };
+    for (int c = 0; c < 4; ++c)
+    {
+      const auto to = onB(c & 1, c >> 1);
+      corners.unite(8 * Index(a.block) + faceCorner(a.face, c & 1, c >> 1),
+        8 * Index(b.block) + faceCorner(b.face, to[0], to[1]));
+    }
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      for (int side = 0; side < 2; ++side)
+      {
+        const auto from = axis == 0 ? onB(0, side) : onB(side, 0);
+        const auto to = axis == 0 ? onB(1, side) : onB(side, 1);
+        const int axisB = from[0] != to[0] ? 0 : 1;
+        const bool reversed = from[axisB] > to[axisB];
+        if (!edges.unite(12 * Index(a.block) + faceEdge(a.face, axis, side),
+              12 * Index(b.block) + faceEdge(b.face, axisB, from[1 - axisB]), reversed))
+        {
+          throw Error("the contact of " + this->Result.blocks[a.block].name + " " + faceLabel(a.face) + " and " +
+            this->Result.blocks[b.block].name + " " + faceLabel(b.face) + " joins an edge to itself in reverse");
+        }
+      }
+    }
+  }
+
+  void markBoundary(const FaceUse& use)
+  {
+    const ComplexBlock& block = this->Result.blocks[use.block];
+    const int last[2] = { block.cells(faceAxis(use.face, 0)) - 1, block.cells(faceAxis(use.face, 1)) - 1 };
+    for (int c = 0; c < 4; ++c)
+    {
+      this->Result.vertices[block.vertices[faceCorner(use.face, c & 1, c >> 1)]].boundary = true;
+    }
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      for (int side = 0; side < 2; ++side)
+      {
+        ComplexEdge& edge = this->Result.edges[block.edges[faceEdge(use.face, axis, side)]];
+        edge.boundary = true;
+        // All mesh edges along a block edge are creases, or none is.
+        const int s = axis == 1 && side ? last[0] : 0;
+        const int t = axis == 0 && side ? last[1] : 0;
+        edge.crease = edge.crease || this->Creases(this->Surface.quad(this->quadOf(use, s, t)), axis, side);
+      }
+    }
+  }
+
+  /// Calls visit(point of A's parent, point of B's parent) for all points of a contact of two surfaces.
+  template <typename Visit>
+  void forEachSharedPoint(const ComplexFace& face, const Visit& visit) const
+  {
+    const FaceUse& a = face.uses[0];
+    const FaceUse& b = face.uses[1];
+    const ComplexBlock& blockA = this->Result.blocks[a.block];
+    const ComplexBlock& blockB = this->Result.blocks[b.block];
+    const int ns = blockA.cells(faceAxis(a.face, 0));
+    const int nt = blockA.cells(faceAxis(a.face, 1));
+    const Ijk cellsA{ blockA.cells(0), blockA.cells(1), blockA.cells(2) };
+    const Ijk cellsB{ blockB.cells(0), blockB.cells(1), blockB.cells(2) };
+    for (int t = 0; t <= nt; ++t)
+    {
+      for (int s = 0; s <= ns; ++s)
+      {
+        const auto onB = mapFacePoint(face.orientation, s, t, ns, nt);
+        Ijk p = facePoint(cellsA, a.face, s, t);
+        Ijk q = facePoint(cellsB, b.face, onB[0], onB[1]);
+        for (int d = 0; d < 3; ++d)
+        {
+          p[d] += blockA.offset[d];
+          q[d] += blockB.offset[d];
+        }
+        visit(p, q);
+      }
+    }
+  }
+
+  /// Two blocks on the same side of their contact lie in each other.
+  void refuseFoldedContacts() const
+  {
+    for (const ComplexFace& face : this->Result.faces)
+    {
+      if (!face.boundary() && this->onSurface(face.uses[0]))
+      {
+        int votes = 0;
+        const int ns = this->Result.blocks[face.uses[0].block].cells(faceAxis(face.uses[0].face, 0));
+        const int nt = this->Result.blocks[face.uses[0].block].cells(faceAxis(face.uses[0].face, 1));
+        constexpr int Samples = 5;
+        for (int t = 0; t < std::min(nt, Samples); ++t)
+        {
+          for (int s = 0; s < std::min(ns, Samples); ++s)
+          {
+            const QuadAt at = this->quadOf(face.uses[0], static_cast<int>(Index(ns) * s / std::min(ns, Samples)),
+              static_cast<int>(Index(nt) * t / std::min(nt, Samples)));
+            const QuadAt other = this->Surface.quadAt(this->Links.partner(this->Surface.quad(at)));
+            const Vec3 normal = outwardNormal(this->Mesh, this->Surface, at, false);
+            const double sides = normal.dot(this->inwards(at)) * normal.dot(this->inwards(other));
+            votes += sides > 0.0 ? 1 : sides < 0.0 ? -1 : 0;
+          }
+        }
+        if (votes > 0)
+        {
+          const QuadAt at = this->quadOf(face.uses[0], 0, 0);
+          const QuadAt other = this->Surface.quadAt(this->Links.partner(this->Surface.quad(at)));
+          throw Error(blockLabel(this->Mesh, at.block) + " " + faceLabel(at.face) + " and " +
+            blockLabel(this->Mesh, other.block) + " " + faceLabel(other.face) +
+            " meet, but both blocks lie on the same side of the contact (near " +
+            text(this->Mesh.blocks[at.block].points(this->Surface.corner(at, 0, 0))) + ")");
+        }
+      }
+    }
+  }
+
+  /// From a surface quadrilateral to the one behind it, sum over their corners.
+  Vec3 inwards(const QuadAt& at) const
+  {
+    const GridView& points = this->Mesh.blocks[at.block].points;
+    Vec3 sum = Vec3::Zero();
+    for (int c = 0; c < 4; ++c)
+    {
+      Ijk p = this->Surface.corner(at, c & 1, c >> 1);
+      const Vec3 x = points(p);
+      p[faceDirection(at.face)] += faceSide(at.face) ? -1 : 1;
+      sum += points(p) - x;
+    }
+    return sum;
+  }
+
+  /// Gives all copies of a shared point the same bits.
+  void weld()
+  {
+    std::vector<const ComplexFace*> contacts;
+    for (const ComplexFace& face : this->Result.faces)
+    {
+      if (!face.boundary() && this->onSurface(face.uses[0]))
+      {
+        contacts.push_back(&face);
+      }
+    }
+    std::atomic<bool> differ{ false };
+    this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
+      for (Index n = begin; n < end && !differ; ++n)
+      {
+        const FaceUse& use = contacts[n]->uses[0];
+        if (this->Links.sameBits(this->Result.blocks[use.block].parent, use.face))
+        {
+          continue;
+        }
+        const GridView& pointsA = this->parentOf(use).points;
+        const GridView& pointsB = this->parentOf(contacts[n]->uses[1]).points;
+        bool same = true;
+        this->forEachSharedPoint(
+          *contacts[n], [&](const Ijk& p, const Ijk& q) { same = same && sameBits(pointsA(p), pointsB(q)); });
+        if (!same)
+        {
+          differ = true;
+        }
+      }
+    });
+    if (!differ)
+    {
+      return;
+    }
+
+    UnionFind copies(this->Surface.pointCount());
+    for (const ComplexFace* face : contacts)
+    {
+      const int a = this->Result.blocks[face->uses[0].block].parent;
+      const int b = this->Result.blocks[face->uses[1].block].parent;
+      this->forEachSharedPoint(*face,
+        [&](const Ijk& p, const Ijk& q) { copies.unite(this->Surface.point(a, p), this->Surface.point(b, q)); });
+    }
+    const Index pointCount = this->Surface.pointCount();
+    // Per class, at its representative, the copy that all get.
+    std::vector<Index> chosen(pointCount, -1);
+    const auto coordinates = [&](Index point) {
+      const int b = this->Surface.blockOfPoint(point);
+      return this->Mesh.blocks[b].points(this->Surface.pointAt(b, point));
+    };
+    for (Index point = 0; point < pointCount; ++point)
+    {
+      const Index root = copies.find(point);
+      Index& best = chosen[root];
+      if (best < 0 || before(coordinates(point), coordinates(best)))
+      {
+        best = point;
+      }
+    }
+    std::vector<double*> welded(this->Surface.blockCount(), nullptr);
+    for (Index point = 0; point < pointCount; ++point)
+    {
+      const Index best = chosen[copies.find(point)];
+      if (best == point)
+      {
+        continue;
+      }
+      const int b = this->Surface.blockOfPoint(point);
+      const Ijk at = this->Surface.pointAt(b, point);
+      const Vec3 x = coordinates(best);
+      if (!sameBits(this->Mesh.blocks[b].points(at), x))
+      {
+        welded[b] = welded[b] ? welded[b] : this->copyPoints(b);
+        const Ijk& n = this->Mesh.blocks[b].points.counts();
+        std::copy(x.data(), x.data() + 3, welded[b] + 3 * (at[0] + n[0] * (at[1] + Index(n[1]) * at[2])));
+      }
+    }
+    for (ComplexBlock& block : this->Result.blocks)
+    {
+      if (welded[block.parent])
+      {
+        const Ijk last{ block.offset[0] + block.cells(0), block.offset[1] + block.cells(1),
+          block.offset[2] + block.cells(2) };
+        block.points = GridView(welded[block.parent], this->Mesh.blocks[block.parent].points.counts())
+                         .box(block.offset, last);
+      }
+    }
+  }
+
+  const MeshBlock& parentOf(const FaceUse& use) const
+  {
+    return this->Mesh.blocks[this->Result.blocks[use.block].parent];
+  }
+
+  double* copyPoints(int b)
+  {
+    const GridView& points = this->Mesh.blocks[b].points;
+    const Ijk& n = points.counts();
+    auto copy = std::make_shared<std::vector<double>>(3 * points.size());
+    double* data = copy->data();
+    this->Run.parallelFor(n[2], 1, [&](Index begin, Index end) {
+      for (int k = static_cast<int>(begin); k < end; ++k)
+      {
+        double* to = data + 3 * Index(n[0]) * n[1] * k;
+        for (int j = 0; j < n[1]; ++j)
+        {
+          for (int i = 0; i < n[0]; ++i, to += 3)
+          {
+            const Vec3 x = points(i, j, k);
+            std::copy(x.data(), x.data() + 3, to);
+          }
+        }
+      }
+    });
+    this->Result.weldedPoints.push_back(std::move(copy));
+    return data;
+  }
+
+  void warn()
+  {
+    this->Result.tangledCells = this->Check.tangledCells;
+    std::vector<std::string> leftHanded;
+    std::vector<std::string> split;
+    for (int b = 0; b < this->Surface.blockCount(); ++b)
+    {
+      if (this->Check.leftHanded[b])
+      {
+        leftHanded.push_back(blockLabel(this->Mesh, b));
+      }
+      const int pieces = this->cutCount(b, 0) * this->cutCount(b, 1) * this->cutCount(b, 2);
+      if (pieces > 1)
+      {
+        split.push_back(blockLabel(this->Mesh, b) + " into " + std::to_string(pieces));
+      }
+    }
+    if (!leftHanded.empty())
+    {
+      this->Result.warnings.push_back(
+        counted(leftHanded.size(), "block is", "blocks are") + " left-handed: " + listed(leftHanded) + ".");
+    }
+    if (this->Check.tangledCells > 0)
+    {
+      this->Result.warnings.push_back(counted(this->Check.tangledCells, "cell is", "cells are") +
+        " tangled (a corner Jacobian is zero or of the wrong sign), first in " +
+        blockLabel(this->Mesh, this->Check.tangledBlock) + " at cell " + text(this->Check.tangledCell) + ".");
+    }
+    if (!split.empty())
+    {
+      this->Result.warnings.push_back(counted(split.size(), "block was", "blocks were") +
+        " split along partial contacts, boundary borders or creases: " + listed(split) + ".");
+    }
+  }
+
+  const BlockMesh& Mesh;
+  const BlockComplexOptions& Options;
+  const Execution& Run;
+  const MeshCheck Check;
+  const SurfaceNumbering Surface;
+  const Contacts Links;
+  const CreaseEdges Creases;
+  const std::vector<CutPositions> Cuts;
+  std::vector<int> FirstPiece;
+  std::vector<Ijk> PieceAt;
+  BlockComplex Result;
+};
+
+/// Per vertex, the ends of extraordinary edges there; an edge from a vertex to itself ends there twice.
+std::vector<std::vector<int>> extraordinaryEnds(const BlockComplex& complex)
+{
+  std::vector<std::vector<int>> ends(complex.vertices.size());
+  for (int e = 0; e < static_cast<int>(complex.edges.size()); ++e)
+  {
+    if (complex.edges[e].extraordinary())
+    {
+      ends[complex.edges[e].vertices[0]].push_back(e);
+      ends[complex.edges[e].vertices[1]].push_back(e);
+    }
+  }
+  return ends;
+}
+
+bool runsThrough(const BlockComplex& complex, const std::vector<int>& ends, int vertex)
+{
+  // All other edges at the vertex have valence 4. Around an interior vertex that leaves a closed fan of n blocks on
+  // either side of a plane of ordinary edges.
+  return !complex.vertices[vertex].boundary && ends.size() == 2 &&
+    complex.edges[ends[0]].valence() == complex.edges[ends[1]].valence();
+}
+
+} // namespace
+
+BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions& options, const Execution& run)
+{
+  if (!(options.matchTolerance > 0.0 && options.matchTolerance < 0.5))
+  {
+    throw Error("match tolerance " + text(options.matchTolerance) + " is not between 0 and 0.5");
+  }
+  if (!(options.creaseAngle >= 0.0 && options.creaseAngle <= 180.0))
+  {
+    throw Error("crease angle " + text(options.creaseAngle) + " is not between 0 and 180 degrees");
+  }
+  return Builder(mesh, options, run).build();
+}
+
+std::vector<int> singularNodes(const BlockComplex& complex)
+{
+  const auto ends = extraordinaryEnds(complex);
+  std::vector<int> nodes;
+  for (int v = 0; v < static_cast<int>(ends.size()); ++v)
+  {
+    if (!complex.vertices[v].boundary && !ends[v].empty() && !runsThrough(complex, ends[v], v))
+    {
+      nodes.push_back(v);
+    }
+  }
+  return nodes;
+}
+
+std::map<int, int> extraordinaryCurves(const BlockComplex& complex)
+{
+  // Every joint makes one curve of two; only the one that closes a ring does not.
+  UnionFind chains(static_cast<Index>(complex.edges.size()));
+  const auto ends = extraordinaryEnds(complex);
+  for (int v = 0; v < static_cast<int>(ends.size()); ++v)
+  {
+    if (runsThrough(complex, ends[v], v))
+    {
+      chains.unite(ends[v][0], ends[v][1]);
+    }
+  }
+  std::map<int, int> curves;
+  for (int e = 0; e < static_cast<int>(complex.edges.size()); ++e)
+  {
+    if (complex.edges[e].extraordinary() && chains.find(e) == e)
+    {
+      ++curves[complex.edges[e].valence()];
+    }
+  }
+  return curves;
+}
+
+Ijk facePoint(const Ijk& cells, int face, int s, int t)
+{
+  Ijk p{};
+  p[faceDirection(face)] = faceSide(face) ? cells[faceDirection(face)] : 0;
+  p[faceAxis(face, 0)] = s;
+  p[faceAxis(face, 1)] = t;
+  return p;
+}
+
+} // namespace bsv

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Conversion.h
+/// From a block complex to tricubic B-spline blocks with clamped integer knots, by double knot insertion where the
+/// blocks are regular and by Catmull-Clark limit rules elsewhere.
+#pragma once
+
+#include "BlockComplex.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace bsv
+{
+
+/// How a control point was made. Values are the codes of the point array `ControlPointRule`.
+enum class ControlPointRule : std::uint8_t
+{
+  Copied,                  ///< mesh point, unchanged
+  Regular,                 ///< tensor product of the knot-insertion masks (5.34)-(5.37), table 5.1
+  Boundary,                ///< the rule of one dimension less, on an outer boundary
+  Symmetry,                ///< the same, on a symmetry plane
+  PlanarSide,              ///< unchanged points of a planar side, or inserted between them
+  Body,                    ///< regular point of the body surface
+  BodyExtraordinaryVertex, ///< at a body vertex where other than four patches meet (5.38)-(5.41)
+  Crease,                  ///< one-dimensional rule along a crease or a sharp boundary curve
+  Corner,                  ///< unchanged corner, or inserted next to one
+  ExtraordinaryEdge,       ///< layer rule at an interior edge of valence other than four (3.31), (5.42), (5.43)
+  SingularNode,            ///< at an interior vertex where the layer is not unique
+  WallLayer,               ///< first inserted layer at the wall (5.44)
+  Count
+};
+
+/// Names of the codes, in order.
+const std::vector<std::string>& controlPointRuleNames();
+
+/// What a named boundary is.
+enum class BoundaryRole : std::uint8_t
+{
+  Other,
+  Body,
+  Symmetry
+};
+
+/// Which planar block sides keep their points.
+enum class PlanarSides : std::uint8_t
+{
+  FarField, ///< planar sides of the outer boundary that are neither body nor symmetry plane (a side ends at sharp edges)
+  All,      ///< every planar block side but the body's, inner ones too (these joins are then C0 only)
+  None
+};
+
+/// The inserted point next to an extraordinary body vertex that is not on a patch border.
+enum class BodyTwist : std::uint8_t
+{
+  SecondFundamentalForm,
+  Parallelogram,
+  Mask
+};
+
+struct ConversionOptions
+{
+  /// Role per entry of BlockComplex::boundaryNames; missing entries are Other.
+  std::vector<BoundaryRole> roles;
+  PlanarSides planarSides = PlanarSides::FarField;
+  /// A side is planar if its points are closer to a plane than this fraction of its bounding box's diagonal.
+  double planarTolerance = 1e-6;
+  BodyTwist twist = BodyTwist::SecondFundamentalForm;
+  /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
+  double wallSpacing = 2.0 / 3.0;
+  /// Per block of the mesh (not of the complex): given projection point and unit normal of every mesh point, three
+  /// doubles each, i fastest, or null. NaN marks points without a value. Used at extraordinary body vertices only.
+  std::vector<const double*> projectedPoints;
+  std::vector<const double*> surfaceNormals;
+};
+
+/// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller.
+struct ControlNetStorage
+{
+  double* points = nullptr;
+  std::uint8_t* rules = nullptr;
+};
+
+struct ConversionReport
+{
+  /// Control points per ControlPointRule, counted once per block that holds them.
+  std::array<Index, static_cast<std::size_t>(ControlPointRule::Count)> controlPoints{};
+  Index singularNodes = 0;
+  Index planarFaces = 0;
+};
+
+/// Converts every block. `nets` has one entry per block of the complex.
+/// Shared control points are computed once, by the entity that owns them, from sums that do not depend on the order of
+/// their terms: results are the same bits for any numbering and orientation of the blocks and any `run`.
+///
+/// @throws Error for options out of range, Aborted if the caller stops it.
+ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
+  const std::vector<ControlNetStorage>& nets, const Execution& run = {});
+
+} // namespace bsv

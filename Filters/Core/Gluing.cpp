@@ -1,0 +1,870 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Gluing.h"
+
+#include "UnionFind.h"
+
+#include <unsupported/Eigen/BVH>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace bsv
+{
+
+namespace
+{
+
+using Box = Eigen::AlignedBox3d;
+
+/// Found so far: hash table of items of which the first of equal ones is kept.
+class FirstOccurrence
+{
+public:
+  explicit FirstOccurrence(Index expected)
+  {
+    std::size_t size = 16;
+    while (size < static_cast<std::size_t>(expected + expected / 2))
+    {
+      size *= 2;
+    }
+    this->Slots.assign(size, Empty);
+  }
+
+  /// The earlier item for which equal(earlier) holds, or `item` itself. At most `expected` items may differ.
+  template <typename Equal>
+  Index insert(std::uint64_t hash, Index item, const Equal& equal)
+  {
+    // The upper bits of the hash are kept beside the item, so that unequal items are rarely compared.
+    const std::uint64_t mark = hash & ~ItemBits;
+    const std::size_t mask = this->Slots.size() - 1;
+    for (std::size_t at = hash & mask;; at = (at + 1) & mask)
+    {
+      std::uint64_t& slot = this->Slots[at];
+      if (slot == Empty)
+      {
+        slot = mark | static_cast<std::uint64_t>(item);
+        return item;
+      }
+      if ((slot & ~ItemBits) == mark && equal(static_cast<Index>(slot & ItemBits)))
+      {
+        return static_cast<Index>(slot & ItemBits);
+      }
+    }
+  }
+
+private:
+  static constexpr std::uint64_t ItemBits = (std::uint64_t(1) << 40) - 1;
+  static constexpr std::uint64_t Empty = ~std::uint64_t(0);
+  std::vector<std::uint64_t> Slots;
+};
+
+/// Mixes one more word into a hash; the constants are those of the 64-bit finalizer of MurmurHash3.
+std::uint64_t mix(std::uint64_t hash, std::uint64_t word)
+{
+  hash ^= word;
+  hash ^= hash >> 33;
+  hash *= 0xff51afd7ed558ccdULL;
+  hash ^= hash >> 33;
+  hash *= 0xc4ceb9fe1a85ec53ULL;
+  hash ^= hash >> 33;
+  return hash;
+}
+
+std::uint64_t hashOf(const Vec3& x)
+{
+  std::uint64_t hash = 0;
+  for (int d = 0; d < 3; ++d)
+  {
+    // +0 and -0 are the same place.
+    const double value = x[d] + 0.0;
+    std::uint64_t word;
+    std::memcpy(&word, &value, sizeof word);
+    hash = mix(hash, word);
+  }
+  return hash;
+}
+
+using Key = std::array<Index, 4>;
+
+/// What a search in the tree of boxes does with the objects at a place.
+template <typename Visit>
+struct BoxQuery
+{
+  Box box;
+  const Visit& visit;
+
+  bool intersectVolume(const Box& volume) const { return volume.intersects(this->box); }
+  bool intersectObject(Index object) const
+  {
+    this->visit(object);
+    return false;
+  }
+};
+
+class Gluer
+{
+public:
+  Gluer(const BlockMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
+    const BlockComplexOptions& options, const Execution& run)
+    : Mesh(mesh)
+    , Surface(surface)
+    , LeftHanded(leftHanded)
+    , Options(options)
+    , Run(run)
+    , Result(surface)
+  {
+  }
+
+  Contacts glue()
+  {
+    this->takeInterfaces();
+    for (std::size_t n = 0; n < this->Mesh.boundaries.size(); ++n)
+    {
+      this->takeBoundary(static_cast<int>(n));
+    }
+    this->Run.report(0.2);
+    if (this->Options.findInterfaces)
+    {
+      this->takeWholeFaces();
+    }
+    this->Run.report(0.4);
+    std::vector<Index> open = this->undecided();
+    if (this->Options.findInterfaces && !open.empty())
+    {
+      this->mergeEqualPoints(open);
+      std::vector<Index> single = this->pairQuads(open);
+      this->Run.report(0.6);
+      if (this->mergeNearPoints(open, single))
+      {
+        for (Index quad : open)
+        {
+          this->Result.reset(quad);
+        }
+        single = this->pairQuads(open);
+      }
+      this->Run.report(0.8);
+      this->refuseCoveredQuads(single);
+      open = this->undecided();
+    }
+    for (Index quad : open)
+    {
+      this->Result.setBoundary(quad, -1);
+    }
+    this->Run.report(1.0);
+    return std::move(this->Result);
+  }
+
+private:
+  /// The largest distance at which the point is one with another, from its own mesh edges.
+  double tolerance(int block, const Ijk& p) const
+  {
+    const GridView& points = this->Mesh.blocks[block].points;
+    const Vec3 x = points(p);
+    double shortest = std::numeric_limits<double>::max();
+    for (int d = 0; d < 3; ++d)
+    {
+      for (int step = -1; step <= 1; step += 2)
+      {
+        Ijk q = p;
+        q[d] += step;
+        if (q[d] >= 0 && q[d] < points.counts()[d])
+        {
+          const double length = (points(q) - x).norm();
+          // Edges of no length, where allowed, say nothing about the spacing.
+          shortest = length > 0.0 ? std::min(shortest, length) : shortest;
+        }
+      }
+    }
+    return shortest == std::numeric_limits<double>::max() ? 0.0 : this->Options.matchTolerance * shortest;
+  }
+
+  Vec3 pointOf(Index point) const
+  {
+    const int block = this->Surface.blockOfPoint(point);
+    return this->Mesh.blocks[block].points(this->Surface.pointAt(block, point));
+  }
+
+  double toleranceOf(Index point) const
+  {
+    const int block = this->Surface.blockOfPoint(point);
+    return this->tolerance(block, this->Surface.pointAt(block, point));
+  }
+
+  Vec3 corner(const QuadAt& at, int cs, int ct) const
+  {
+    return this->Mesh.blocks[at.block].points(this->Surface.corner(at, cs, ct));
+  }
+
+  Vec3 center(const QuadAt& at) const
+  {
+    return 0.25 * ((this->corner(at, 0, 0) + this->corner(at, 1, 1)) + (this->corner(at, 1, 0) + this->corner(at, 0, 1)));
+  }
+
+  std::string where(const QuadAt& at) const
+  {
+    return blockLabel(this->Mesh, at.block) + " " + faceLabel(at.face) + " quadrilateral (" + std::to_string(at.s) +
+      ", " + std::to_string(at.t) + ")";
+  }
+
+  std::string where(Index quad) const { return this->where(this->Surface.quadAt(quad)); }
+
+  void checkRange(const std::string& what, int block, int face, const FaceRange& range) const
+  {
+    if (block < 0 || block >= this->Surface.blockCount())
+    {
+      throw Error(what + ": there is no block " + std::to_string(block));
+    }
+    if (face < 0 || face > 5)
+    {
+      throw Error(what + ": there is no face " + std::to_string(face));
+    }
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      const int n = this->Surface.faceCells(block, face, axis);
+      if (range.lo[axis] < 0 || range.lo[axis] >= range.hi[axis] || range.hi[axis] > n)
+      {
+        throw Error(what + ": range " + std::to_string(range.lo[axis]) + " to " + std::to_string(range.hi[axis]) +
+          " of axis " + std::to_string(axis) + " is not inside 0 to " + std::to_string(n) + " of " +
+          blockLabel(this->Mesh, block) + " " + faceLabel(face));
+      }
+    }
+  }
+
+  /// How the points of the two sides of a contact compare.
+  struct Comparison
+  {
+    bool sameBits = true;
+    /// First pair further apart than allowed, if distance > allowed.
+    Ijk pointA{ 0, 0, 0 };
+    Ijk pointB{ 0, 0, 0 };
+    double distance = 0.0;
+    double allowed = 0.0;
+  };
+
+  /// Compares the two sides; ends at the first difference in bits if only that is asked.
+  Comparison compare(const Interface& contact, bool bitsOnly) const
+  {
+    const FaceRange& a = contact.rangeA;
+    const int ns = a.hi[0] - a.lo[0];
+    const int nt = a.hi[1] - a.lo[1];
+    const GridView& pointsA = this->Mesh.blocks[contact.blockA].points;
+    const GridView& pointsB = this->Mesh.blocks[contact.blockB].points;
+    Comparison result;
+    for (int t = 0; t <= nt; ++t)
+    {
+      for (int s = 0; s <= ns; ++s)
+      {
+        const auto onB = mapFacePoint(contact.orientation, s, t, ns, nt);
+        const Ijk p = facePoint(this->Surface.cells(contact.blockA), contact.faceA, a.lo[0] + s, a.lo[1] + t);
+        const Ijk q = facePoint(this->Surface.cells(contact.blockB), contact.faceB, contact.originB[0] + onB[0],
+          contact.originB[1] + onB[1]);
+        const Vec3 x = pointsA(p);
+        const Vec3 y = pointsB(q);
+        if (sameBits(x, y))
+        {
+          continue;
+        }
+        result.sameBits = false;
+        if (bitsOnly)
+        {
+          return result;
+        }
+        result.pointA = p;
+        result.pointB = q;
+        result.distance = (x - y).norm();
+        result.allowed = std::min(this->tolerance(contact.blockA, p), this->tolerance(contact.blockB, q));
+        if (result.distance > result.allowed)
+        {
+          return result;
+        }
+      }
+    }
+    return result;
+  }
+
+  /// Compares many contacts, in parallel.
+  std::vector<Comparison> compare(const std::vector<Interface>& contacts, bool bitsOnly) const
+  {
+    std::vector<Comparison> results(contacts.size());
+    this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        results[n] = this->compare(contacts[n], bitsOnly);
+      }
+    });
+    return results;
+  }
+
+  void takeInterfaces()
+  {
+    for (std::size_t n = 0; n < this->Mesh.interfaces.size(); ++n)
+    {
+      const Interface& contact = this->Mesh.interfaces[n];
+      const std::string what = "interface " + std::to_string(n);
+      if (contact.orientation < 0 || contact.orientation > 7)
+      {
+        throw Error(what + ": there is no orientation " + std::to_string(contact.orientation));
+      }
+      this->checkRange(what, contact.blockA, contact.faceA, contact.rangeA);
+      // The size of A is known to be sane now; the origin on B may be anything.
+      for (int axis = 0; axis < 2; ++axis)
+      {
+        if (contact.originB[axis] < 0 || contact.originB[axis] > std::numeric_limits<int>::max() / 2)
+        {
+          throw Error(what + ": there is no point " + std::to_string(contact.originB[axis]) + " on its second face");
+        }
+      }
+      this->checkRange(what, contact.blockB, contact.faceB, contact.rangeB());
+    }
+    const std::vector<Comparison> compared = this->compare(this->Mesh.interfaces, false);
+    for (std::size_t n = 0; n < compared.size(); ++n)
+    {
+      const Interface& contact = this->Mesh.interfaces[n];
+      const Comparison& c = compared[n];
+      const std::string what = "interface " + std::to_string(n);
+      if (c.distance > c.allowed)
+      {
+        throw Error(what + " does not match the coordinates: point " + text(c.pointA) + " of " +
+          blockLabel(this->Mesh, contact.blockA) + " " + faceLabel(contact.faceA) + " and point " + text(c.pointB) +
+          " of " + blockLabel(this->Mesh, contact.blockB) + " " + faceLabel(contact.faceB) + " are " +
+          text(c.distance) + " apart, allowed is " + text(c.allowed));
+      }
+      this->take(contact, what);
+    }
+  }
+
+  /// Enters the contact of all quadrilaterals of an interface.
+  void take(const Interface& contact, const std::string& what)
+  {
+    const FaceRange& a = contact.rangeA;
+    const int ns = a.hi[0] - a.lo[0];
+    const int nt = a.hi[1] - a.lo[1];
+    for (int t = 0; t < nt; ++t)
+    {
+      for (int s = 0; s < ns; ++s)
+      {
+        // The quadrilateral (s, t) is the point (s, t) of a grid that has one point less per axis.
+        const auto onB = mapFacePoint(contact.orientation, s, t, ns - 1, nt - 1);
+        const Index quadA = this->Surface.quad({ contact.blockA, contact.faceA, a.lo[0] + s, a.lo[1] + t });
+        const Index quadB = this->Surface.quad(
+          { contact.blockB, contact.faceB, contact.originB[0] + onB[0], contact.originB[1] + onB[1] });
+        if (quadA == quadB)
+        {
+          throw Error(what + ": " + this->where(quadA) + " meets itself");
+        }
+        for (Index quad : { quadA, quadB })
+        {
+          if (!this->Result.undecided(quad))
+          {
+            throw Error(what + ": " + this->where(quad) + " is in another interface already");
+          }
+        }
+        this->Result.setContact(quadA, quadB, contact.orientation);
+      }
+    }
+  }
+
+  /// Takes pairs of faces, undecided as a whole, that are equal point by point and bit by bit: what most contacts are,
+  /// found without a search for the single points.
+  void takeWholeFaces()
+  {
+    const Index faceCount = 6 * Index(this->Surface.blockCount());
+    constexpr Index None = -1;
+    constexpr Index Several = -2;
+    std::vector<Index> partner(faceCount, None);
+    std::vector<int> orientation(faceCount, 0);
+    FirstOccurrence first(faceCount);
+    for (Index face = 0; face < faceCount; ++face)
+    {
+      if (!this->undecidedFace(face))
+      {
+        continue;
+      }
+      // Sums do not depend on the order of the corners.
+      std::uint64_t hash = 0;
+      for (int c = 0; c < 4; ++c)
+      {
+        hash += hashOf(this->faceCornerPoint(face, c & 1, c >> 1));
+      }
+      const Index other = first.insert(mix(0, hash), face, [&](Index a) { return this->faceOrientation(a, face) >= 0; });
+      if (other == face)
+      {
+        continue;
+      }
+      partner[face] = other;
+      partner[other] = partner[other] == None ? face : Several;
+      orientation[other] = this->faceOrientation(other, face);
+    }
+    std::vector<Interface> candidates;
+    for (Index face = 0; face < faceCount; ++face)
+    {
+      const Index other = partner[face];
+      if (other > face && partner[other] == face)
+      {
+        const int block = static_cast<int>(face / 6);
+        const int side = static_cast<int>(face % 6);
+        Interface contact;
+        contact.blockA = block;
+        contact.faceA = side;
+        contact.blockB = static_cast<int>(other / 6);
+        contact.faceB = static_cast<int>(other % 6);
+        contact.orientation = orientation[face];
+        contact.rangeA.hi = { this->Surface.faceCells(block, side, 0), this->Surface.faceCells(block, side, 1) };
+        candidates.push_back(contact);
+      }
+    }
+    const std::vector<Comparison> compared = this->compare(candidates, true);
+    for (std::size_t n = 0; n < compared.size(); ++n)
+    {
+      if (compared[n].sameBits)
+      {
+        this->take(candidates[n], "contact");
+        this->Result.setSameBits(candidates[n].blockA, candidates[n].faceA);
+        this->Result.setSameBits(candidates[n].blockB, candidates[n].faceB);
+      }
+    }
+  }
+
+  bool undecidedFace(Index face) const
+  {
+    const int block = static_cast<int>(face / 6);
+    const int side = static_cast<int>(face % 6);
+    const Index start = this->Surface.quad({ block, side, 0, 0 });
+    const Index count = Index(this->Surface.faceCells(block, side, 0)) * this->Surface.faceCells(block, side, 1);
+    for (Index quad = start; quad < start + count; ++quad)
+    {
+      if (!this->Result.undecided(quad))
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  Vec3 faceCornerPoint(Index face, int cs, int ct) const
+  {
+    const int block = static_cast<int>(face / 6);
+    const int side = static_cast<int>(face % 6);
+    return this->Mesh.blocks[block].points(facePoint(this->Surface.cells(block), side,
+      cs * this->Surface.faceCells(block, side, 0), ct * this->Surface.faceCells(block, side, 1)));
+  }
+
+  /// The one orientation code in which the corners of two faces are equal, or -1.
+  int faceOrientation(Index a, Index b) const
+  {
+    int found = -1;
+    for (int code = 0; code < 8; ++code)
+    {
+      bool fits = true;
+      for (int axis = 0; axis < 2; ++axis)
+      {
+        fits = fits &&
+          this->Surface.faceCells(static_cast<int>(a / 6), static_cast<int>(a % 6), axis) ==
+            this->Surface.faceCells(
+              static_cast<int>(b / 6), static_cast<int>(b % 6), swapsAxes(code) ? 1 - axis : axis);
+      }
+      for (int c = 0; c < 4 && fits; ++c)
+      {
+        const auto onB = mapFacePoint(code, c & 1, c >> 1, 1, 1);
+        fits = this->faceCornerPoint(a, c & 1, c >> 1) == this->faceCornerPoint(b, onB[0], onB[1]);
+      }
+      if (fits)
+      {
+        if (found >= 0)
+        {
+          return -1;
+        }
+        found = code;
+      }
+    }
+    return found;
+  }
+
+  void takeBoundary(int n)
+  {
+    const BoundaryPatch& patch = this->Mesh.boundaries[n];
+    const std::string what = "boundary " + std::to_string(n);
+    this->checkRange(what, patch.block, patch.face, patch.range);
+    const int names = static_cast<int>(this->Mesh.boundaryNames.size());
+    if (patch.tag < 0 || patch.tag >= names)
+    {
+      throw Error(what + ": there is no boundary name " + std::to_string(patch.tag) + ", " + std::to_string(names) +
+        " are given");
+    }
+    for (int t = patch.range.lo[1]; t < patch.range.hi[1]; ++t)
+    {
+      for (int s = patch.range.lo[0]; s < patch.range.hi[0]; ++s)
+      {
+        const Index quad = this->Surface.quad({ patch.block, patch.face, s, t });
+        if (!this->Result.undecided(quad))
+        {
+          if (!this->Result.boundary(quad))
+          {
+            throw Error(what + ": " + this->where(quad) + " is in an interface already");
+          }
+          if (this->Result.tag(quad) != patch.tag)
+          {
+            throw Error(what + ": " + this->where(quad) + " belongs to boundary \"" +
+              this->Mesh.boundaryNames[this->Result.tag(quad)] + "\" already");
+          }
+        }
+        this->Result.setBoundary(quad, patch.tag);
+      }
+    }
+  }
+
+  std::vector<Index> undecided() const
+  {
+    std::vector<Index> quads;
+    for (Index quad = 0; quad < this->Surface.quadCount(); ++quad)
+    {
+      if (this->Result.undecided(quad))
+      {
+        quads.push_back(quad);
+      }
+    }
+    return quads;
+  }
+
+  /// Calls visit(block, position, surface point) once for every corner of the quadrilaterals, in ascending order.
+  template <typename Visit>
+  void forEachPoint(const std::vector<Index>& quads, const Visit& visit) const
+  {
+    std::vector<bool> used(this->Surface.pointCount());
+    int hint = 0;
+    for (Index quad : quads)
+    {
+      const QuadAt at = this->Surface.quadAt(quad, hint);
+      hint = at.block;
+      for (Index point : this->Surface.corners(at))
+      {
+        used[point] = true;
+      }
+    }
+    int block = 0;
+    for (Index point = 0; point < this->Surface.pointCount(); ++point)
+    {
+      if (used[point])
+      {
+        while (point >= this->Surface.firstPoint(block + 1))
+        {
+          ++block;
+        }
+        visit(block, this->Surface.pointAt(block, point), point);
+      }
+    }
+  }
+
+  void mergeEqualPoints(const std::vector<Index>& quads)
+  {
+    this->Class.assign(this->Surface.pointCount(), -1);
+    FirstOccurrence first(this->Surface.pointCount());
+    this->forEachPoint(quads, [&](int block, const Ijk& p, Index point) {
+      const Vec3 x = this->Mesh.blocks[block].points(p);
+      this->Class[point] =
+        first.insert(hashOf(x), point, [&](Index other) { return this->pointOf(other) == x; });
+    });
+  }
+
+  Key key(const QuadAt& at) const
+  {
+    Key classes = this->Surface.corners(at);
+    for (Index& c : classes)
+    {
+      c = this->Class[c];
+    }
+    return classes;
+  }
+
+  /// Pairs the quadrilaterals with equal classes; returns those without a partner.
+  std::vector<Index> pairQuads(const std::vector<Index>& quads)
+  {
+    FirstOccurrence first(static_cast<Index>(quads.size()));
+    int hint = 0;
+    for (Index quad : quads)
+    {
+      const QuadAt at = this->Surface.quadAt(quad, hint);
+      hint = at.block;
+      const Key classes = this->key(at);
+      Key sorted = classes;
+      std::sort(sorted.begin(), sorted.end());
+      if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+      {
+        if (!this->Options.allowDegenerate)
+        {
+          throw Error(this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
+        }
+        this->Result.setBoundary(quad, -1);
+        continue;
+      }
+      std::uint64_t hash = 0;
+      for (Index c : sorted)
+      {
+        hash = mix(hash, static_cast<std::uint64_t>(c));
+      }
+      const Index partner = first.insert(hash, quad, [&](Index other) {
+        Key others = this->key(this->Surface.quadAt(other, at.block));
+        std::sort(others.begin(), others.end());
+        return others == sorted;
+      });
+      if (partner == quad)
+      {
+        continue;
+      }
+      if (!this->Result.undecided(partner))
+      {
+        throw Error("ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) +
+          " and " + this->where(at) + " are at the same place near " + text(this->center(at)));
+      }
+      this->Result.setContact(partner, quad, this->orientation(partner, classes));
+    }
+    std::vector<Index> single;
+    for (Index quad : quads)
+    {
+      if (this->Result.undecided(quad))
+      {
+        single.push_back(quad);
+      }
+    }
+    return single;
+  }
+
+  /// Orientation code from quadrilateral `a` to one with the classes `b`, which are a's in another order.
+  int orientation(Index a, const Key& b) const
+  {
+    const Key classes = this->key(this->Surface.quadAt(a));
+    for (int code = 0; code < 8; ++code)
+    {
+      bool fits = true;
+      for (int c = 0; c < 4; ++c)
+      {
+        const auto onB = mapFacePoint(code, c & 1, c >> 1, 1, 1);
+        fits = fits && classes[c] == b[onB[0] + 2 * onB[1]];
+      }
+      if (fits)
+      {
+        return code;
+      }
+    }
+    throw Error("ambiguous gluing: " + this->where(a) + " shares its four points with a twisted quadrilateral");
+  }
+
+  /// Merges classes of points that are near each other, around quadrilaterals without a partner. True if any were.
+  bool mergeNearPoints(const std::vector<Index>& quads, const std::vector<Index>& single)
+  {
+    std::vector<Index> points;
+    this->forEachPoint(single, [&](int, const Ijk&, Index point) { points.push_back(this->Class[point]); });
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    const Index count = static_cast<Index>(points.size());
+    const auto slotOf = [&](Index representative) {
+      const auto at = std::lower_bound(points.begin(), points.end(), representative);
+      return at != points.end() && *at == representative ? Index(at - points.begin()) : Index(-1);
+    };
+
+    // The tolerance of a class is that of its most finely spaced member, wherever that is.
+    std::vector<double> tolerance(count, std::numeric_limits<double>::max());
+    std::vector<bool> wanted(this->Surface.pointCount());
+    for (Index point : points)
+    {
+      wanted[point] = true;
+    }
+    this->forEachPoint(quads, [&](int block, const Ijk& p, Index point) {
+      if (wanted[this->Class[point]])
+      {
+        double& smallest = tolerance[slotOf(this->Class[point])];
+        smallest = std::min(smallest, this->tolerance(block, p));
+      }
+    });
+
+    std::vector<Vec3> x(count);
+    std::vector<Box> boxes(count);
+    std::vector<Index> slots(count);
+    for (Index n = 0; n < count; ++n)
+    {
+      slots[n] = n;
+      x[n] = this->pointOf(points[n]);
+      boxes[n] = Box(x[n]);
+    }
+    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
+    std::vector<std::vector<std::pair<Index, Index>>> chunks((count + Chunk - 1) / Chunk);
+    this->Run.parallelFor(static_cast<Index>(chunks.size()), 1, [&](Index begin, Index end) {
+      for (Index chunk = begin; chunk < end; ++chunk)
+      {
+        for (Index n = chunk * Chunk; n < std::min(count, (chunk + 1) * Chunk); ++n)
+        {
+          const auto visit = [&](Index m) {
+            if (m > n && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]))
+            {
+              chunks[chunk].push_back({ n, m });
+            }
+          };
+          const Vec3 reach = Vec3::Constant(tolerance[n]);
+          BoxQuery<decltype(visit)> query{ Box(x[n] - reach, x[n] + reach), visit };
+          Eigen::BVIntersect(tree, query);
+        }
+      }
+    });
+
+    UnionFind merged(count);
+    bool any = false;
+    for (const auto& pairs : chunks)
+    {
+      for (const auto& pair : pairs)
+      {
+        merged.unite(pair.first, pair.second);
+        any = true;
+      }
+    }
+    if (any)
+    {
+      this->checkWidths(points, x, tolerance, merged);
+      for (Index& c : this->Class)
+      {
+        if (c >= 0 && wanted[c])
+        {
+          c = points[merged.find(slotOf(c))];
+        }
+      }
+    }
+    return any;
+  }
+
+  /// All members of a class must be near each other: a chain of near points is not one point.
+  void checkWidths(const std::vector<Index>& points, const std::vector<Vec3>& x, const std::vector<double>& tolerance,
+    UnionFind& merged) const
+  {
+    const Index count = static_cast<Index>(points.size());
+    std::vector<Box> extent(count);
+    std::vector<double> smallest(count, std::numeric_limits<double>::max());
+    for (Index n = 0; n < count; ++n)
+    {
+      const Index root = merged.find(n);
+      extent[root].extend(x[n]);
+      smallest[root] = std::min(smallest[root], tolerance[n]);
+    }
+    for (Index n = 0; n < count; ++n)
+    {
+      const Index root = merged.find(n);
+      if (root != n && extent[root].diagonal().norm() > smallest[root])
+      {
+        throw Error("ambiguous gluing near " + text(x[n]) + ": points of " +
+          blockLabel(this->Mesh, this->Surface.blockOfPoint(points[root])) + " and " +
+          blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])) + " form a chain of width " +
+          text(extent[root].diagonal().norm()) + ", allowed is " + text(smallest[root]));
+      }
+    }
+  }
+
+  /// Refuses quadrilaterals without a partner that lie on one another face to face: an interface that does not match
+  /// node to node. Walls that are merely close are further apart than the matching tolerance.
+  void refuseCoveredQuads(const std::vector<Index>& single) const
+  {
+    const Index count = static_cast<Index>(single.size());
+    std::vector<Box> boxes(count);
+    std::vector<double> tolerance(count);
+    std::vector<Vec3> normal(count);
+    this->Run.parallelFor(count, Chunk, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        const QuadAt at = this->Surface.quadAt(single[n]);
+        normal[n] = outwardNormal(this->Mesh, this->Surface, at, this->LeftHanded[at.block]).stableNormalized();
+        tolerance[n] = std::numeric_limits<double>::max();
+        for (int c = 0; c < 4; ++c)
+        {
+          const Ijk p = this->Surface.corner(at, c & 1, c >> 1);
+          boxes[n].extend(this->Mesh.blocks[at.block].points(p));
+          tolerance[n] = std::min(tolerance[n], this->tolerance(at.block, p));
+        }
+        const Vec3 reach = Vec3::Constant(tolerance[n]);
+        boxes[n] = Box(boxes[n].min() - reach, boxes[n].max() + reach);
+      }
+    });
+    std::vector<Index> slots(count);
+    for (Index n = 0; n < count; ++n)
+    {
+      slots[n] = n;
+    }
+    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
+    // Per quadrilateral the one that covers its center, or -1.
+    std::vector<Index> cover(count, -1);
+    this->Run.parallelFor(count, Chunk, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        const QuadAt at = this->Surface.quadAt(single[n]);
+        const Vec3 x = this->center(at);
+        const auto visit = [&](Index m) {
+          // Opposite within 25 degrees.
+          if (normal[m].dot(normal[n]) < -0.9 && (cover[n] < 0 || single[m] < cover[n]) &&
+            this->covers(
+              this->Surface.quadAt(single[m], at.block), normal[m], x, std::min(tolerance[n], tolerance[m])))
+          {
+            cover[n] = single[m];
+          }
+        };
+        BoxQuery<decltype(visit)> query{ Box(x), visit };
+        Eigen::BVIntersect(tree, query);
+      }
+    });
+    Index first = -1;
+    Index covered = 0;
+    for (Index n = count - 1; n >= 0; --n)
+    {
+      if (cover[n] >= 0)
+      {
+        first = n;
+        ++covered;
+      }
+    }
+    if (covered > 0)
+    {
+      const QuadAt a = this->Surface.quadAt(single[first]);
+      const QuadAt b = this->Surface.quadAt(cover[first]);
+      throw Error("non-matching interface: " + this->where(a) + " and " + this->where(b) +
+        " cover each other near " + text(this->center(a)) + " but do not share their points (" +
+        std::to_string(covered) + " such quadrilaterals); declare them as boundaries if they are no contact");
+    }
+  }
+
+  /// Whether the quadrilateral of unit normal `n` has `x` in its interior, up to `tolerance` along its normal.
+  bool covers(const QuadAt& at, const Vec3& n, const Vec3& x, double tolerance) const
+  {
+    const std::array<Vec3, 4> corners{ this->corner(at, 0, 0), this->corner(at, 1, 0), this->corner(at, 1, 1),
+      this->corner(at, 0, 1) };
+    if (std::abs(n.dot(x - this->center(at))) > tolerance)
+    {
+      return false;
+    }
+    double turns[4];
+    for (int c = 0; c < 4; ++c)
+    {
+      turns[c] = n.dot((corners[(c + 1) % 4] - corners[c]).cross(x - corners[c]));
+    }
+    return std::all_of(turns, turns + 4, [](double turn) { return turn > 0.0; }) ||
+      std::all_of(turns, turns + 4, [](double turn) { return turn < 0.0; });
+  }
+
+  static constexpr Index Chunk = 1024;
+
+  const BlockMesh& Mesh;
+  const SurfaceNumbering& Surface;
+  const std::vector<bool>& LeftHanded;
+  const BlockComplexOptions& Options;
+  const Execution& Run;
+  Contacts Result;
+  /// Per surface point the point that stands for its class, or -1 where nothing is searched.
+  std::vector<Index> Class;
+};
+
+} // namespace
+
+Contacts glue(const BlockMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
+  const BlockComplexOptions& options, const Execution& run)
+{
+  return Gluer(mesh, surface, leftHanded, options, run).glue();
+}
+
+} // namespace bsv

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Splitting.h
+/// Where the blocks must be cut so that all contacts are face to face and creases run along block edges.
+#pragma once
+
+#include "BlockComplex.h"
+#include "BlockSurface.h"
+
+#include <cstdint>
+
+namespace bsv
+{
+
+/// The mesh edges on the outer boundary that are creases.
+class CreaseEdges
+{
+public:
+  CreaseEdges(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
+    const std::vector<bool>& leftHanded, double creaseAngle);
+
+  bool empty() const { return this->Bits.empty(); }
+  /// The same for all quadrilaterals, of all blocks, at one mesh edge.
+  bool operator()(Index quad, int axis, int side) const
+  {
+    return !this->Bits.empty() && (this->Bits[quad] >> (2 * axis + side) & 1) != 0;
+  }
+
+private:
+  void markTagged(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts);
+  void markSharp(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
+    const std::vector<bool>& leftHanded, double creaseAngle);
+  void mark(const SurfaceNumbering& surface, const Contacts& contacts, const QuadEdge& edge);
+
+  /// Per surface quadrilateral one bit per edge; empty while there are no creases.
+  std::vector<std::uint8_t> Bits;
+};
+
+/// Mesh positions per direction of a block at which it is cut, ascending, with both ends.
+using CutPositions = std::array<std::vector<int>, 3>;
+
+/// The smallest set of cuts, per block, after which on every piece of face all quadrilaterals meet the same face in the
+/// same way, or the same boundary, and no edge is a crease in part. A cut goes through its whole block and on through
+/// the contacts into the neighbours.
+///
+/// @throws Error for crease lines that are none, and if there are more than a million pieces.
+std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface,
+  const Contacts& contacts, const CreaseEdges& creases, const Execution& run);
+
+} // namespace bsv

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Types.h
+/// Vocabulary shared by the whole core: points, grids, errors and the execution environment.
+///
+/// The core is C++17 and Eigen; it includes no VTK header. Callers (the VTK filters, the tests, the
+/// benchmarks) hand in views of their own memory and an Execution that says how loops are run.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+namespace bsv
+{
+
+using Vec3 = Eigen::Vector3d;
+
+/// Number of points, cells or control points; 64 bits everywhere.
+using Index = std::int64_t;
+
+/// The only exception thrown by the core. The text names what is wrong, where (file, line, block, face) and the value.
+class Error : public std::runtime_error
+{
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Thrown by Execution::report when the caller asked to stop.
+class Aborted : public Error
+{
+public:
+  Aborted()
+    : Error("aborted by the user")
+  {
+  }
+};
+
+/// How loops are run and progress is told. Default: sequential and silent.
+/// No result of the core depends on it.
+struct Execution
+{
+  /// Runs body(begin, end) over a partition of [0, count) into ranges of about `grain`; may run them concurrently.
+  using Body = std::function<void(Index begin, Index end)>;
+  std::function<void(Index count, Index grain, const Body& body)> parallelFor =
+    [](Index count, Index, const Body& body) {
+      if (count > 0)
+      {
+        body(0, count);
+      }
+    };
+
+  /// Told the fraction done in [0, 1], from the calling thread only; returns false to abort.
+  std::function<bool(double)> progress = [](double) { return true; };
+
+  /// @throws Aborted if the caller wants to stop.
+  void report(double fraction) const
+  {
+    if (!this->progress(fraction))
+    {
+      throw Aborted();
+    }
+  }
+};
+
+/// View of the points of a structured grid, or of a box of one: float or double triples, i fastest in the grid viewed.
+/// It owns nothing.
+class GridView
+{
+public:
+  GridView() = default;
+
+  /// Whole grid of nx * ny * nz points stored contiguously as x y z triples.
+  template <typename Real>
+  GridView(const Real* xyz, std::array<int, 3> pointCounts)
+    : Data(xyz)
+    , IsFloat(sizeof(Real) == sizeof(float))
+    , Counts(pointCounts)
+    , Strides{ 1, pointCounts[0], Index(pointCounts[0]) * pointCounts[1] }
+  {
+    static_assert(std::is_same<Real, float>::value || std::is_same<Real, double>::value, "float or double");
+  }
+
+  /// Points per direction.
+  const std::array<int, 3>& counts() const { return this->Counts; }
+  Index size() const { return Index(this->Counts[0]) * this->Counts[1] * this->Counts[2]; }
+  bool isFloat() const { return this->IsFloat; }
+  /// Distance, in points, between neighbours of direction d in memory.
+  Index stride(int d) const { return this->Strides[d]; }
+
+  /// Address of point (i, j, k), as the stored type.
+  template <typename Real>
+  const Real* address(int i, int j, int k) const
+  {
+    return static_cast<const Real*>(this->Data) + 3 * this->offset(i, j, k);
+  }
+
+  /// Point (i, j, k), in double precision.
+  Vec3 operator()(int i, int j, int k) const
+  {
+    const Index at = 3 * this->offset(i, j, k);
+    if (this->IsFloat)
+    {
+      const float* x = static_cast<const float*>(this->Data) + at;
+      return Vec3(x[0], x[1], x[2]);
+    }
+    const double* x = static_cast<const double*>(this->Data) + at;
+    return Vec3(x[0], x[1], x[2]);
+  }
+  Vec3 operator()(const std::array<int, 3>& ijk) const { return (*this)(ijk[0], ijk[1], ijk[2]); }
+
+  /// The box of points [first, last], both included.
+  GridView box(const std::array<int, 3>& first, const std::array<int, 3>& last) const
+  {
+    GridView view = *this;
+    const Index at = 3 * this->offset(first[0], first[1], first[2]);
+    view.Data = this->IsFloat ? static_cast<const void*>(static_cast<const float*>(this->Data) + at)
+                              : static_cast<const void*>(static_cast<const double*>(this->Data) + at);
+    for (int d = 0; d < 3; ++d)
+    {
+      view.Counts[d] = last[d] - first[d] + 1;
+    }
+    return view;
+  }
+
+private:
+  Index offset(int i, int j, int k) const
+  {
+    return i * this->Strides[0] + j * this->Strides[1] + k * this->Strides[2];
+  }
+
+  const void* Data = nullptr;
+  bool IsFloat = false;
+  std::array<int, 3> Counts{ 0, 0, 0 };
+  std::array<Index, 3> Strides{ 0, 0, 0 };
+};
+
+} // namespace bsv

@@ -1,0 +1,502 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "HexBlockData.h"
+
+#include <vtkAOSDataArrayTemplate.h>
+#include <vtkCompositeDataSet.h>
+#include <vtkDataAssembly.h>
+#include <vtkDataObjectTree.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
+#include <vtkInformation.h>
+#include <vtkIntArray.h>
+#include <vtkMultiBlockDataSet.h>
+#include <vtkNew.h>
+#include <vtkPartitionedDataSet.h>
+#include <vtkPartitionedDataSetCollection.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkStringArray.h>
+#include <vtkStructuredGrid.h>
+
+#include <algorithm>
+#include <functional>
+
+namespace bsv
+{
+
+namespace
+{
+
+struct Leaf
+{
+  vtkDataObject* data;
+  std::string name;
+};
+
+std::string metaName(vtkInformation* information)
+{
+  const char* name =
+    information && information->Has(vtkCompositeDataSet::NAME()) ? information->Get(vtkCompositeDataSet::NAME()) : "";
+  return name ? name : "";
+}
+
+/// Leaves in flat order, missing ones included. A leaf without a name has that of its parent: partitions have none.
+void collectLeaves(vtkDataObject* node, const std::string& name, std::vector<Leaf>& leaves)
+{
+  const auto visit = [&](unsigned int count, auto&& child, auto&& information) {
+    for (unsigned int i = 0; i < count; ++i)
+    {
+      const std::string own = metaName(information(i));
+      collectLeaves(child(i), own.empty() ? name : own, leaves);
+    }
+  };
+  if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(node))
+  {
+    visit(
+      collection->GetNumberOfPartitionedDataSets(),
+      [&](unsigned int i) -> vtkDataObject* { return collection->GetPartitionedDataSet(i); },
+      [&](unsigned int i) { return collection->HasMetaData(i) ? collection->GetMetaData(i) : nullptr; });
+  }
+  else if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(node))
+  {
+    visit(
+      blocks->GetNumberOfBlocks(), [&](unsigned int i) { return blocks->GetBlock(i); },
+      [&](unsigned int i) { return blocks->HasMetaData(i) ? blocks->GetMetaData(i) : nullptr; });
+  }
+  else if (auto* partitions = vtkPartitionedDataSet::SafeDownCast(node))
+  {
+    // An empty partitioned data set keeps the numbers of the blocks behind it.
+    if (partitions->GetNumberOfPartitions() == 0)
+    {
+      leaves.push_back({ nullptr, name });
+    }
+    visit(
+      partitions->GetNumberOfPartitions(), [&](unsigned int i) { return partitions->GetPartitionAsDataObject(i); },
+      [&](unsigned int i) { return partitions->HasMetaData(i) ? partitions->GetMetaData(i) : nullptr; });
+  }
+  else
+  {
+    leaves.push_back({ node, name });
+  }
+}
+
+template <typename Real>
+const Real* xyzTriples(vtkDataArray* array)
+{
+  auto* values = vtkAOSDataArrayTemplate<Real>::FastDownCast(array);
+  return values ? values->GetPointer(0) : nullptr;
+}
+
+MeshBlock meshBlock(vtkSmartPointer<vtkStructuredGrid>& grid, const std::string& name)
+{
+  MeshBlock block;
+  block.name = name;
+
+  Ijk counts;
+  grid->GetDimensions(counts.data());
+  for (int d = 0; d < 3; ++d)
+  {
+    if (counts[d] < 2)
+    {
+      throw Error("Block '" + name + "' has " + std::to_string(counts[0]) + " x " + std::to_string(counts[1]) + " x " +
+        std::to_string(counts[2]) + " points; hexahedra need at least 2 in each direction.");
+    }
+  }
+  const Index size = Index(counts[0]) * counts[1] * counts[2];
+  if (!grid->GetPoints() || grid->GetNumberOfPoints() != size)
+  {
+    throw Error("Block '" + name + "' has " + std::to_string(grid->GetPoints() ? grid->GetNumberOfPoints() : 0) +
+      " points; its dimensions say " + std::to_string(size) + ".");
+  }
+
+  vtkDataArray* points = grid->GetPoints()->GetData();
+  if (const float* floats = xyzTriples<float>(points))
+  {
+    block.points = GridView(floats, counts);
+  }
+  else if (const double* doubles = xyzTriples<double>(points))
+  {
+    block.points = GridView(doubles, counts);
+  }
+  else
+  {
+    vtkNew<vtkPoints> converted;
+    converted->SetDataTypeToDouble();
+    converted->DeepCopy(grid->GetPoints());
+    vtkNew<vtkStructuredGrid> copy;
+    copy->ShallowCopy(grid);
+    copy->SetPoints(converted);
+    grid = copy;
+    block.points = GridView(xyzTriples<double>(converted->GetData()), counts);
+  }
+
+  if (const auto sharpness = doublePointArray(grid, "CreaseSharpness", 1, name))
+  {
+    block.creaseSharpness.assign(sharpness->GetPointer(0), sharpness->GetPointer(0) + size);
+  }
+  return block;
+}
+
+/// The int array `name` with one of the component counts allowed, or null.
+vtkIntArray* intArray(vtkFieldData* fields, const char* name, std::initializer_list<int> components)
+{
+  vtkAbstractArray* any = fields ? fields->GetAbstractArray(name) : nullptr;
+  if (!any)
+  {
+    return nullptr;
+  }
+  auto* array = vtkIntArray::SafeDownCast(any);
+  const int found = any->GetNumberOfComponents();
+  if (!array || std::find(components.begin(), components.end(), found) == components.end())
+  {
+    std::string allowed;
+    for (const int count : components)
+    {
+      allowed += (allowed.empty() ? "" : " or ") + std::to_string(count);
+    }
+    throw Error("Field data array '" + std::string(name) + "' must be of type int with " + allowed +
+      " components, but is " + any->GetClassName() + " with " + std::to_string(found) + ".");
+  }
+  return array;
+}
+
+/// Reads one entry of a field data array and checks it against the blocks.
+class Entry
+{
+public:
+  /// `blockOfLeaf`: block of the mesh per leaf, -1 if it is missing.
+  Entry(vtkIntArray* array, vtkIdType index, const std::vector<MeshBlock>& blocks, const std::vector<int>& blockOfLeaf)
+    : Array(array)
+    , At(index)
+    , Blocks(blocks)
+    , BlockOfLeaf(blockOfLeaf)
+  {
+  }
+
+  int value(int component) const { return this->Array->GetTypedComponent(this->At, component); }
+
+  int value(int component, int last, const char* what) const
+  {
+    const int found = this->value(component);
+    if (found < 0 || found > last)
+    {
+      this->fail("component " + std::to_string(component) + ", " + what + " " + std::to_string(found) +
+        (last < 0 ? ", but there are none" : ", is out of range 0.." + std::to_string(last)));
+    }
+    return found;
+  }
+
+  [[noreturn]] void fail(const std::string& what) const
+  {
+    throw Error("Field data array '" + std::string(this->Array->GetName()) + "', entry " + std::to_string(this->At) +
+      ": " + what + ".");
+  }
+
+  /// Block of the mesh, -1 if it is missing.
+  int block(int component) const
+  {
+    return this->BlockOfLeaf[this->value(component, static_cast<int>(this->BlockOfLeaf.size()) - 1, "block")];
+  }
+
+  /// Last mesh point along a face's axis.
+  int last(int block, int face, int axis) const
+  {
+    return this->Blocks[block].points.counts()[faceAxis(face, axis)] - 1;
+  }
+
+  FaceRange whole(int block, int face) const
+  {
+    return { { 0, 0 }, { this->last(block, face, 0), this->last(block, face, 1) } };
+  }
+
+  /// Range from four components sMin, sMax, tMin, tMax.
+  FaceRange range(int component, int block, int face) const
+  {
+    FaceRange range;
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      const int at = component + 2 * axis;
+      range.hi[axis] = this->value(at + 1, this->last(block, face, axis), "end of the range");
+      range.lo[axis] = this->value(at, range.hi[axis] - 1, "start of the range");
+    }
+    return range;
+  }
+
+private:
+  vtkIntArray* Array;
+  vtkIdType At;
+  const std::vector<MeshBlock>& Blocks;
+  const std::vector<int>& BlockOfLeaf;
+};
+
+using EntryReader = std::function<void(const Entry&)>;
+
+void forEachEntry(
+  vtkIntArray* array, const BlockMesh& mesh, const std::vector<int>& blockOfLeaf, const EntryReader& read)
+{
+  for (vtkIdType i = 0; array && i < array->GetNumberOfTuples(); ++i)
+  {
+    read(Entry(array, i, mesh.blocks, blockOfLeaf));
+  }
+}
+
+void readInterfaces(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, BlockMesh& mesh)
+{
+  vtkIntArray* array = intArray(fields, "Interfaces", { 12 });
+  forEachEntry(array, mesh, blockOfLeaf, [&](const Entry& entry) {
+    Interface contact;
+    contact.blockA = entry.block(0);
+    contact.faceA = entry.value(1, 5, "face");
+    contact.blockB = entry.block(2);
+    contact.faceB = entry.value(3, 5, "face");
+    contact.orientation = entry.value(4, 7, "orientation");
+    if (contact.blockA < 0 || contact.blockB < 0)
+    {
+      return;
+    }
+    const bool partial = entry.value(5, 1, "flag of a partial range") == 1;
+    contact.rangeA = partial ? entry.range(6, contact.blockA, contact.faceA)
+                             : entry.whole(contact.blockA, contact.faceA);
+    for (int axis = 0; partial && axis < 2; ++axis)
+    {
+      contact.originB[axis] =
+        entry.value(10 + axis, entry.last(contact.blockB, contact.faceB, axis), "start of the range");
+    }
+    const FaceRange whole = entry.whole(contact.blockB, contact.faceB);
+    const FaceRange rangeB = contact.rangeB();
+    if (partial ? rangeB.hi[0] > whole.hi[0] || rangeB.hi[1] > whole.hi[1] : rangeB != whole)
+    {
+      entry.fail("face " + std::to_string(contact.faceA) + " of block '" + mesh.blocks[contact.blockA].name +
+        "' and face " + std::to_string(contact.faceB) + " of block '" + mesh.blocks[contact.blockB].name +
+        "' do not have the same numbers of points");
+    }
+    mesh.interfaces.push_back(contact);
+  });
+}
+
+void readBoundaries(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, BlockMesh& mesh)
+{
+  if (vtkAbstractArray* any = fields ? fields->GetAbstractArray("BoundaryNames") : nullptr)
+  {
+    auto* names = vtkStringArray::SafeDownCast(any);
+    if (!names || names->GetNumberOfComponents() != 1)
+    {
+      throw Error("Field data array 'BoundaryNames' must hold strings, one a tuple, but is " +
+        std::string(any->GetClassName()) + " with " + std::to_string(any->GetNumberOfComponents()) + " components.");
+    }
+    for (vtkIdType i = 0; i < names->GetNumberOfValues(); ++i)
+    {
+      mesh.boundaryNames.push_back(names->GetValue(i));
+    }
+  }
+
+  vtkIntArray* array = intArray(fields, "Boundaries", { 3, 7 });
+  forEachEntry(array, mesh, blockOfLeaf, [&](const Entry& entry) {
+    BoundaryPatch patch;
+    patch.block = entry.block(0);
+    patch.face = entry.value(1, 5, "face");
+    patch.tag = entry.value(2, static_cast<int>(mesh.boundaryNames.size()) - 1, "tag in BoundaryNames");
+    if (patch.block < 0)
+    {
+      return;
+    }
+    patch.range = array->GetNumberOfComponents() == 7 ? entry.range(3, patch.block, patch.face)
+                                                      : entry.whole(patch.block, patch.face);
+    mesh.boundaries.push_back(patch);
+  });
+}
+
+void readCreases(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, BlockMesh& mesh)
+{
+  vtkIntArray* array = intArray(fields, "CreaseEdges", { 7 });
+  forEachEntry(array, mesh, blockOfLeaf, [&](const Entry& entry) {
+    CreaseLine line;
+    line.block = entry.block(0);
+    if (line.block < 0)
+    {
+      return;
+    }
+    int directions = 0;
+    for (int d = 0; d < 3; ++d)
+    {
+      const int last = mesh.blocks[line.block].points.counts()[d] - 1;
+      line.from[d] = entry.value(1 + d, last, "mesh point");
+      line.to[d] = entry.value(4 + d, last, "mesh point");
+      directions += line.from[d] != line.to[d];
+    }
+    if (directions != 1)
+    {
+      entry.fail("the two points must differ in exactly one direction, not in " + std::to_string(directions));
+    }
+    mesh.creases.push_back(line);
+  });
+}
+
+/// Replaces the int array `name` by the tuples given; removes it if there are none.
+template <typename Item>
+void setIntArray(vtkFieldData* fields, const char* name, int components, const std::vector<Item>& items,
+  const std::function<std::vector<int>(const Item&)>& tuple)
+{
+  fields->RemoveArray(name);
+  if (items.empty())
+  {
+    return;
+  }
+  vtkNew<vtkIntArray> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i)
+  {
+    array->SetTypedTuple(static_cast<vtkIdType>(i), tuple(items[i]).data());
+  }
+  fields->AddArray(array);
+}
+
+FaceRange wholeFace(const Ijk& counts, int face)
+{
+  return { { 0, 0 }, { counts[faceAxis(face, 0)] - 1, counts[faceAxis(face, 1)] - 1 } };
+}
+
+} // namespace
+
+BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids)
+{
+  std::vector<Leaf> leaves;
+  if (input)
+  {
+    collectLeaves(input, "", leaves);
+  }
+
+  BlockMesh mesh;
+  grids.clear();
+  std::vector<int> blockOfLeaf(leaves.size(), -1);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+  {
+    const std::string name = leaves[i].name.empty() ? "block " + std::to_string(i) : leaves[i].name;
+    vtkSmartPointer<vtkStructuredGrid> grid = vtkStructuredGrid::SafeDownCast(leaves[i].data);
+    if (leaves[i].data && !grid)
+    {
+      throw Error(
+        "Block '" + name + "' is a " + leaves[i].data->GetClassName() + "; only vtkStructuredGrid can be a block.");
+    }
+    // A grid without points is how a missing block travels through filters that keep the structure.
+    if (grid && grid->GetNumberOfPoints() > 0)
+    {
+      blockOfLeaf[i] = static_cast<int>(mesh.blocks.size());
+      mesh.blocks.push_back(meshBlock(grid, name));
+      grids.push_back(grid);
+    }
+  }
+
+  vtkFieldData* fields = input ? input->GetFieldData() : nullptr;
+  readInterfaces(fields, blockOfLeaf, mesh);
+  readBoundaries(fields, blockOfLeaf, mesh);
+  readCreases(fields, blockOfLeaf, mesh);
+  return mesh;
+}
+
+vtkSmartPointer<vtkDoubleArray> doublePointArray(
+  vtkStructuredGrid* grid, const char* name, int components, const std::string& block)
+{
+  vtkAbstractArray* any = grid->GetPointData()->GetAbstractArray(name);
+  if (!any)
+  {
+    return nullptr;
+  }
+  auto* array = vtkDataArray::SafeDownCast(any);
+  if (!array || array->GetNumberOfComponents() != components || array->GetNumberOfTuples() != grid->GetNumberOfPoints())
+  {
+    throw Error("Point data array '" + std::string(name) + "' of block '" + block + "' must be numeric with " +
+      std::to_string(components) + " components, but is " + any->GetClassName() + " with " +
+      std::to_string(any->GetNumberOfComponents()) + ".");
+  }
+  if (auto* doubles = vtkDoubleArray::SafeDownCast(array))
+  {
+    return doubles;
+  }
+  auto converted = vtkSmartPointer<vtkDoubleArray>::New();
+  converted->DeepCopy(array);
+  return converted;
+}
+
+void setInterfaces(vtkFieldData* fields, const std::vector<Interface>& interfaces, const std::vector<Ijk>& counts)
+{
+  setIntArray<Interface>(fields, "Interfaces", 12, interfaces, [&](const Interface& contact) {
+    const bool whole = contact.rangeA == wholeFace(counts[contact.blockA], contact.faceA) &&
+      contact.rangeB() == wholeFace(counts[contact.blockB], contact.faceB);
+    std::vector<int> tuple{ contact.blockA, contact.faceA, contact.blockB, contact.faceB, contact.orientation,
+      whole ? 0 : 1, contact.rangeA.lo[0], contact.rangeA.hi[0], contact.rangeA.lo[1], contact.rangeA.hi[1],
+      contact.originB[0], contact.originB[1] };
+    if (whole)
+    {
+      std::fill(tuple.begin() + 6, tuple.end(), 0);
+    }
+    return tuple;
+  });
+}
+
+void setBoundaries(vtkFieldData* fields, const std::vector<BoundaryPatch>& boundaries,
+  const std::vector<std::string>& names, const std::vector<Ijk>& counts)
+{
+  const bool partial = std::any_of(boundaries.begin(), boundaries.end(), [&](const BoundaryPatch& patch) {
+    return patch.range != wholeFace(counts[patch.block], patch.face);
+  });
+  setIntArray<BoundaryPatch>(fields, "Boundaries", partial ? 7 : 3, boundaries, [](const BoundaryPatch& patch) {
+    return std::vector<int>{ patch.block, patch.face, patch.tag, patch.range.lo[0], patch.range.hi[0],
+      patch.range.lo[1], patch.range.hi[1] };
+  });
+
+  fields->RemoveArray("BoundaryNames");
+  if (!names.empty())
+  {
+    vtkNew<vtkStringArray> array;
+    array->SetName("BoundaryNames");
+    for (const std::string& name : names)
+    {
+      array->InsertNextValue(name);
+    }
+    fields->AddArray(array);
+  }
+}
+
+void setCreases(vtkFieldData* fields, const std::vector<CreaseLine>& creases)
+{
+  setIntArray<CreaseLine>(fields, "CreaseEdges", 7, creases, [](const CreaseLine& line) {
+    return std::vector<int>{ line.block, line.from[0], line.from[1], line.from[2], line.to[0], line.to[1],
+      line.to[2] };
+  });
+}
+
+void setConnectivity(vtkFieldData* fields, const BlockMesh& mesh)
+{
+  std::vector<Ijk> counts;
+  for (const MeshBlock& block : mesh.blocks)
+  {
+    counts.push_back(block.points.counts());
+  }
+  setInterfaces(fields, mesh.interfaces, counts);
+  setBoundaries(fields, mesh.boundaries, mesh.boundaryNames, counts);
+  setCreases(fields, mesh.creases);
+}
+
+void setBlocks(vtkPartitionedDataSetCollection* collection,
+  const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const std::vector<std::string>& names,
+  const char* root)
+{
+  collection->Initialize();
+  collection->SetNumberOfPartitionedDataSets(static_cast<unsigned int>(grids.size()));
+  vtkNew<vtkDataAssembly> assembly;
+  assembly->SetRootNodeName(vtkDataAssembly::MakeValidNodeName(root).c_str());
+  for (unsigned int i = 0; i < grids.size(); ++i)
+  {
+    collection->SetPartition(i, 0, grids[i]);
+    collection->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), names[i].c_str());
+    const int node = assembly->AddNode(vtkDataAssembly::MakeValidNodeName(names[i].c_str()).c_str());
+    assembly->AddDataSetIndex(node, i);
+    assembly->SetAttribute(node, "label", names[i].c_str());
+  }
+  collection->SetDataAssembly(assembly);
+}
+
+} // namespace bsv

@@ -1,0 +1,473 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkCatmullClarkToBSplineVolume.h"
+
+#include "BSplineVolumeData.h"
+#include "BlockComplex.h"
+#include "Conversion.h"
+#include "EntityClass.h"
+#include "FilterExecution.h"
+#include "HexBlockData.h"
+
+#include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkIdTypeArray.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkStringArray.h"
+#include "vtkStructuredGrid.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+
+vtkStandardNewMacro(vtkCatmullClarkToBSplineVolume);
+
+namespace
+{
+
+/// Whether `name` matches `pattern` with the wildcards * and ?, without regard to case. Linear memory, no recursion.
+bool matches(const std::string& pattern, const std::string& name)
+{
+  const auto same = [](char p, char c) {
+    return p == '?' || std::tolower(static_cast<unsigned char>(p)) == std::tolower(static_cast<unsigned char>(c));
+  };
+  std::size_t p = 0;
+  std::size_t n = 0;
+  std::size_t star = std::string::npos;
+  std::size_t resume = 0;
+  while (n < name.size())
+  {
+    if (p < pattern.size() && pattern[p] == '*')
+    {
+      star = p++;
+      resume = n;
+    }
+    else if (p < pattern.size() && same(pattern[p], name[n]))
+    {
+      ++p;
+      ++n;
+    }
+    else if (star != std::string::npos)
+    {
+      p = star + 1;
+      n = ++resume;
+    }
+    else
+    {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string::npos;
+}
+
+bool matchesAny(const std::vector<std::string>& patterns, const std::string& name)
+{
+  return std::any_of(
+    patterns.begin(), patterns.end(), [&name](const std::string& pattern) { return matches(pattern, name); });
+}
+
+/// Puts whole faces into a boundary of their own.
+/// @return its tag
+int addBodyFaces(bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& faces)
+{
+  const int tag = static_cast<int>(mesh.boundaryNames.size());
+  mesh.boundaryNames.emplace_back("body");
+  for (const auto& [block, face] : faces)
+  {
+    if (block < 0 || block >= static_cast<int>(mesh.blocks.size()) || face < 0 || face > 5)
+    {
+      throw bsv::Error("BodyFaces: there is no face " + std::to_string(face) + " of block " + std::to_string(block) +
+        "; the mesh has " + std::to_string(mesh.blocks.size()) + " blocks with the faces 0 to 5");
+    }
+    mesh.boundaries.erase(std::remove_if(mesh.boundaries.begin(), mesh.boundaries.end(),
+                            [block = block, face = face](const bsv::BoundaryPatch& patch) {
+                              return patch.block == block && patch.face == face;
+                            }),
+      mesh.boundaries.end());
+    const std::array<int, 3>& counts = mesh.blocks[block].points.counts();
+    mesh.boundaries.push_back({ block, face,
+      { { 0, 0 }, { counts[bsv::faceAxis(face, 0)] - 1, counts[bsv::faceAxis(face, 1)] - 1 } }, tag });
+  }
+  return tag;
+}
+
+void addInts(vtkFieldData* fields, const char* name, const std::vector<int>& values)
+{
+  vtkNew<vtkIntArray> array;
+  array->SetName(name);
+  for (const int value : values)
+  {
+    array->InsertNextValue(value);
+  }
+  fields->AddArray(array);
+}
+
+/// Grid for the control points of a block, with everything but their values.
+vtkSmartPointer<vtkStructuredGrid> controlNet(const bsv::ComplexBlock& block, bsv::ControlNetStorage& storage)
+{
+  auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
+  std::array<int, 3> counts{};
+  bsv::BSplineVolume volume;
+  for (int d = 0; d < 3; ++d)
+  {
+    counts[d] = block.cells(d) + 3;
+    volume.knots[d] = bsv::clampedIntegerKnots(block.cells(d));
+  }
+  bsv::setDegreeAndKnots(grid, volume);
+  addInts(grid->GetFieldData(), "ParentBlock", { block.parent });
+  addInts(grid->GetFieldData(), "ParentOffset", { block.offset.begin(), block.offset.end() });
+
+  const vtkIdType size = vtkIdType(counts[0]) * counts[1] * counts[2];
+  vtkNew<vtkDoubleArray> coordinates;
+  coordinates->SetNumberOfComponents(3);
+  coordinates->SetNumberOfTuples(size);
+  vtkNew<vtkPoints> points;
+  points->SetData(coordinates);
+  vtkNew<vtkUnsignedCharArray> rules;
+  rules->SetName("ControlPointRule");
+  rules->SetNumberOfValues(size);
+  grid->SetDimensions(counts.data());
+  grid->SetPoints(points);
+  grid->GetPointData()->AddArray(rules);
+  storage = { coordinates->GetPointer(0), rules->GetPointer(0) };
+  return grid;
+}
+
+void setContacts(vtkPartitionedDataSetCollection* volume, const bsv::BlockComplex& complex)
+{
+  std::vector<bsv::Interface> interfaces;
+  std::vector<bsv::BoundaryPatch> boundaries;
+  for (const bsv::ComplexFace& face : complex.faces)
+  {
+    const bsv::FaceUse& a = face.uses.front();
+    if (!face.boundary())
+    {
+      const bsv::FaceUse& b = face.uses.back();
+      interfaces.push_back({ a.block, a.face, b.block, b.face, face.orientation, {}, {} });
+    }
+    else if (face.tag >= 0)
+    {
+      boundaries.push_back({ a.block, a.face, {}, face.tag });
+    }
+  }
+  bsv::setWholeFaceContacts(volume, interfaces, boundaries, complex.boundaryNames);
+}
+
+std::string triple(const char* separator, int a, int b, int c)
+{
+  return std::to_string(a) + separator + std::to_string(b) + separator + std::to_string(c);
+}
+
+std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes,
+  const bsv::ConversionOptions& options, const bsv::ConversionReport& counts)
+{
+  std::ostringstream text;
+  bsv::Index total = 0;
+  for (const bsv::Index count : counts.controlPoints)
+  {
+    total += count;
+  }
+  text << complex.blocks.size() << " blocks, " << total << " control points, " << classes.extraordinaryEdges
+       << " extraordinary edges, " << counts.singularNodes << " singular nodes, " << counts.planarFaces
+       << " planar sides\n";
+  for (const auto& [valence, count] : classes.extraordinaryCurves)
+  {
+    text << count << " extraordinary curves of valence " << valence << '\n';
+  }
+
+  std::vector<int> faces(complex.boundaryNames.size(), 0);
+  int unnamed = 0;
+  for (const bsv::ComplexFace& face : complex.faces)
+  {
+    if (face.boundary())
+    {
+      ++(face.tag < 0 ? unnamed : faces[face.tag]);
+    }
+  }
+  bool body = false;
+  for (std::size_t tag = 0; tag < faces.size(); ++tag)
+  {
+    static const char* const roles[] = { "far field or other boundary", "body", "symmetry plane" };
+    const bsv::BoundaryRole role = options.roles[tag];
+    body = body || (role == bsv::BoundaryRole::Body && faces[tag] > 0);
+    text << complex.boundaryNames[tag] << ": " << roles[static_cast<int>(role)] << ", " << faces[tag] << " faces\n";
+  }
+  if (unnamed > 0)
+  {
+    text << unnamed << " boundary faces without a name\n";
+  }
+  if (!body)
+  {
+    text << "no body\n";
+  }
+
+  for (std::size_t rule = 0; rule < counts.controlPoints.size(); ++rule)
+  {
+    if (counts.controlPoints[rule] > 0)
+    {
+      text << bsv::controlPointRuleNames()[rule] << ": " << counts.controlPoints[rule] << " control points\n";
+    }
+  }
+  for (const bsv::ComplexBlock& block : complex.blocks)
+  {
+    const int i = block.cells(0);
+    const int j = block.cells(1);
+    const int k = block.cells(2);
+    text << block.name << ": " << triple(" x ", i, j, k) << " cells, " << triple(" x ", i + 3, j + 3, k + 3)
+         << " control points, from block " << block.parent << " at point "
+         << triple(", ", block.offset[0], block.offset[1], block.offset[2]) << '\n';
+  }
+  return text.str();
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkCatmullClarkToBSplineVolume::vtkCatmullClarkToBSplineVolume()
+  : ControlPointsPerRule(vtkSmartPointer<vtkIdTypeArray>::New())
+{
+  this->ResetReport();
+}
+
+//------------------------------------------------------------------------------
+vtkCatmullClarkToBSplineVolume::~vtkCatmullClarkToBSplineVolume() = default;
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::ResetReport()
+{
+  this->NumberOfInputBlocks = this->NumberOfBlocks = 0;
+  this->NumberOfExtraordinaryEdges = this->NumberOfSingularNodes = 0;
+  this->NumberOfControlPoints = 0;
+  this->ControlPointsPerRule->SetNumberOfValues(static_cast<vtkIdType>(bsv::ControlPointRule::Count));
+  this->ControlPointsPerRule->Fill(0);
+  this->Report.clear();
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::AddBodyBoundary(const char* pattern)
+{
+  if (pattern && *pattern)
+  {
+    this->BodyBoundaries.emplace_back(pattern);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::ClearBodyBoundaries()
+{
+  this->BodyBoundaries.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+const char* vtkCatmullClarkToBSplineVolume::GetBodyBoundary(int index) const
+{
+  return index >= 0 && index < this->GetNumberOfBodyBoundaries() ? this->BodyBoundaries[index].c_str() : nullptr;
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::AddSymmetryBoundary(const char* pattern)
+{
+  if (pattern && *pattern)
+  {
+    this->SymmetryBoundaries.emplace_back(pattern);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::ClearSymmetryBoundaries()
+{
+  this->SymmetryBoundaries.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+const char* vtkCatmullClarkToBSplineVolume::GetSymmetryBoundary(int index) const
+{
+  return index >= 0 && index < this->GetNumberOfSymmetryBoundaries() ? this->SymmetryBoundaries[index].c_str()
+                                                                     : nullptr;
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::AddBodyFace(int block, int face)
+{
+  this->BodyFaces.push_back({ block, face });
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::ClearBodyFaces()
+{
+  this->BodyFaces.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+vtkDataArray* vtkCatmullClarkToBSplineVolume::GetControlPointsPerRule()
+{
+  return this->ControlPointsPerRule;
+}
+
+//------------------------------------------------------------------------------
+// Port 1 is reserved for `Body`, the NURBS surface.
+int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkCatmullClarkToBSplineVolume::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
+  if (!input || !output)
+  {
+    vtkErrorMacro("Input or output is missing.");
+    return 0;
+  }
+  this->ResetReport();
+
+  try
+  {
+    // The mesh.
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
+    bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids);
+    if (mesh.blocks.empty())
+    {
+      return 1;
+    }
+    const int selected = this->BodyFaces.empty() ? -1 : addBodyFaces(mesh, this->BodyFaces);
+
+    bsv::ConversionOptions options;
+    std::vector<vtkSmartPointer<vtkDoubleArray>> surfaceData;
+    const auto surfaceArray = [&](std::size_t b, const char* name) -> const double* {
+      surfaceData.push_back(bsv::doublePointArray(meshGrids[b], name, 3, mesh.blocks[b].name));
+      return surfaceData.back() ? surfaceData.back()->GetPointer(0) : nullptr;
+    };
+    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+    {
+      options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint"));
+      options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal"));
+    }
+
+    // The complex.
+    bsv::BlockComplexOptions complexOptions;
+    complexOptions.matchTolerance = this->MatchTolerance;
+    complexOptions.allowDegenerate = this->AllowDegenerate;
+    complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
+    const bsv::BlockComplex complex =
+      bsv::buildBlockComplex(mesh, complexOptions, bsv::filterExecution(this, 0.0, 0.4));
+
+    // The conversion.
+    for (const std::string& name : complex.boundaryNames)
+    {
+      const bool isBody = static_cast<int>(options.roles.size()) == selected || matchesAny(this->BodyBoundaries, name);
+      options.roles.push_back(isBody              ? bsv::BoundaryRole::Body
+          : matchesAny(this->SymmetryBoundaries, name) ? bsv::BoundaryRole::Symmetry
+                                                  : bsv::BoundaryRole::Other);
+    }
+    options.planarSides = static_cast<bsv::PlanarSides>(this->PlanarSides);
+    options.planarTolerance = this->PlanarTolerance;
+    options.twist = static_cast<bsv::BodyTwist>(this->BodyTwist);
+    options.wallSpacing = this->WallSpacing;
+
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> nets;
+    std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+    {
+      nets.push_back(controlNet(complex.blocks[b], storage[b]));
+      names.push_back(complex.blocks[b].name);
+    }
+    const bsv::ConversionReport counts =
+      bsv::convertToBSplineVolume(complex, options, storage, bsv::filterExecution(this, 0.4, 1.0));
+
+    // The output.
+    bsv::setBlocks(output, nets, names, "BSplineVolume");
+    setContacts(output, complex);
+    vtkNew<vtkStringArray> ruleNames;
+    ruleNames->SetName("ControlPointRuleNames");
+    for (const std::string& name : bsv::controlPointRuleNames())
+    {
+      ruleNames->InsertNextValue(name);
+    }
+    output->GetFieldData()->AddArray(ruleNames);
+
+    const bsv::EntityClasses classes = bsv::classifyEntities(complex);
+    this->NumberOfInputBlocks = static_cast<int>(mesh.blocks.size());
+    this->NumberOfBlocks = static_cast<int>(complex.blocks.size());
+    this->NumberOfExtraordinaryEdges = static_cast<int>(classes.extraordinaryEdges);
+    this->NumberOfSingularNodes = static_cast<int>(counts.singularNodes);
+    for (std::size_t rule = 0; rule < counts.controlPoints.size(); ++rule)
+    {
+      this->ControlPointsPerRule->SetValue(static_cast<vtkIdType>(rule), counts.controlPoints[rule]);
+      this->NumberOfControlPoints += counts.controlPoints[rule];
+    }
+    this->Report = reportText(complex, classes, options, counts);
+
+    if (!complex.warnings.empty())
+    {
+      std::string text;
+      for (const std::string& warning : complex.warnings)
+      {
+        text += (text.empty() ? "" : "\n") + warning;
+      }
+      vtkWarningMacro(<< text);
+    }
+  }
+  catch (const bsv::Aborted&)
+  {
+    output->Initialize();
+  }
+  catch (const std::exception& error)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< error.what());
+    return 0;
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  const auto list = [&](const char* name, const std::vector<std::string>& values) {
+    os << indent << name << ':';
+    for (const std::string& value : values)
+    {
+      os << ' ' << value;
+    }
+    os << '\n';
+  };
+  list("BodyBoundaries", this->BodyBoundaries);
+  list("SymmetryBoundaries", this->SymmetryBoundaries);
+  os << indent << "BodyFaces:";
+  for (const auto& [block, face] : this->BodyFaces)
+  {
+    os << " (" << block << ", " << face << ')';
+  }
+  os << '\n';
+  os << indent << "UseCreaseAngle: " << (this->UseCreaseAngle ? "On" : "Off") << '\n';
+  os << indent << "CreaseAngle: " << this->CreaseAngle << '\n';
+  os << indent << "PlanarSides: " << this->PlanarSides << '\n';
+  os << indent << "PlanarTolerance: " << this->PlanarTolerance << '\n';
+  os << indent << "BodyTwist: " << this->BodyTwist << '\n';
+  os << indent << "WallSpacing: " << this->WallSpacing << '\n';
+  os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
+  os << indent << "AllowDegenerate: " << (this->AllowDegenerate ? "On" : "Off") << '\n';
+  os << indent << "Report: " << this->Report << '\n';
+}

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkCatmullClarkToBSplineVolume
+ * @brief   hexahedral multi-block mesh to smooth tricubic B-spline volumes
+ *
+ * Takes the mesh as a Catmull-Clark control net and gives one tricubic B-spline volume per block: exactly the uniform
+ * B-spline of the mesh where the blocks meet like one structured grid (double knot insertion), and by Catmull-Clark
+ * limit rules at extraordinary edges, boundaries, creases and on the body. Shared control points are equal bit for bit,
+ * for any order and orientation of the blocks and any number of threads.
+ *
+ * Input port 0 (`Input`): a tree of vtkStructuredGrid or one vtkStructuredGrid, (I+1) x (J+1) x (K+1) points per block.
+ * Optional field data of the root: `Interfaces`, `Boundaries`, `BoundaryNames`, `CreaseEdges` (HexBlockData.h); what is
+ * not there is found from coincident points. Optional point arrays of a block: `CreaseSharpness` (0 or >= 10),
+ * `ProjectedPoint` (3) and `SurfaceNormal` (3, unit length): foot point and normal on the true body, used at
+ * extraordinary body vertices; NaN marks points without a value.
+ *
+ * Output: a vtkPartitionedDataSetCollection with a flat assembly, one vtkStructuredGrid of (I+3) x (J+3) x (K+3) control
+ * points in double precision per block. Blocks are cut where an interface covers part of a face or a crease runs inside
+ * one, so there can be more blocks than in the input. Of every block:
+ * - field data `Degree` (int: 3, 3, 3), `KnotsU`, `KnotsV`, `KnotsW` (double, {0,0,0,0,1,..,I-1,I,I,I,I}),
+ *   `ParentBlock` (int: input block) and `ParentOffset` (int, 3 values: mesh point of the input block at which the
+ *   piece starts);
+ * - point data `ControlPointRule` (unsigned char), how the control point was made: 0 copied, 1 regular, 2 boundary,
+ *   3 symmetry plane, 4 planar side, 5 body, 6 extraordinary vertex of the body, 7 crease, 8 corner, 9 extraordinary
+ *   edge, 10 singular node, 11 wall layer.
+ *
+ * Field data of the collection: `ControlPointRuleNames` (string), and `Interfaces`, `Boundaries`, `BoundaryNames` of
+ * the blocks of the output.
+ *
+ * An empty input gives an empty output. What cannot be converted is an error that names block and value; the output is
+ * then empty.
+ *
+ * @sa vtkHexBlockTopology
+ */
+#ifndef vtkCatmullClarkToBSplineVolume_h
+#define vtkCatmullClarkToBSplineVolume_h
+
+#include "BSplineVolumeFiltersModule.h" // For export macro
+#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkSmartPointer.h" // For the counts
+
+#include <array>  // For the selected faces
+#include <string> // For names
+#include <vector> // For names and faces
+
+class vtkDataArray;
+class vtkIdTypeArray;
+
+class BSPLINEVOLUMEFILTERS_EXPORT vtkCatmullClarkToBSplineVolume : public vtkPartitionedDataSetCollectionAlgorithm
+{
+public:
+  static vtkCatmullClarkToBSplineVolume* New();
+  vtkTypeMacro(vtkCatmullClarkToBSplineVolume, vtkPartitionedDataSetCollectionAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum PlanarSidesType
+  {
+    FAR_FIELD = 0,
+    ALL = 1,
+    NONE = 2
+  };
+
+  enum BodyTwistType
+  {
+    SECOND_FUNDAMENTAL_FORM = 0,
+    PARALLELOGRAM = 1,
+    MASK = 2
+  };
+
+  ///@{
+  /**
+   * Names of the boundaries that form the body. Case does not matter, `*` stands for any text and `?` for one
+   * character. Default: wall*, bcwall*, body*, noslip*, no_slip*, no-slip*, viscous*, solid*.
+   */
+  void AddBodyBoundary(const char* pattern);
+  void ClearBodyBoundaries();
+  int GetNumberOfBodyBoundaries() const { return static_cast<int>(this->BodyBoundaries.size()); }
+  const char* GetBodyBoundary(int index) const;
+  ///@}
+
+  ///@{
+  /**
+   * Names of the boundaries that are symmetry planes, in the same way. A name that is in both lists belongs to the
+   * body. Default: sym*, bcsym*.
+   */
+  void AddSymmetryBoundary(const char* pattern);
+  void ClearSymmetryBoundaries();
+  int GetNumberOfSymmetryBoundaries() const { return static_cast<int>(this->SymmetryBoundaries.size()); }
+  const char* GetSymmetryBoundary(int index) const;
+  ///@}
+
+  ///@{
+  /**
+   * Whole faces of input blocks that belong to the body, for meshes without boundary names: block number from 0, face
+   * 0 i=0, 1 i=I, 2 j=0, 3 j=J, 4 k=0, 5 k=K. A face given here loses the name that it has. Default: none.
+   */
+  void AddBodyFace(int block, int face);
+  void ClearBodyFaces();
+  int GetNumberOfBodyFaces() const { return static_cast<int>(this->BodyFaces.size()); }
+  ///@}
+
+  ///@{
+  /**
+   * Make every mesh edge of the outer boundary a crease at which the surface turns by more than CreaseAngle. Default
+   * off: only tagged creases count.
+   */
+  vtkSetMacro(UseCreaseAngle, bool);
+  vtkGetMacro(UseCreaseAngle, bool);
+  vtkBooleanMacro(UseCreaseAngle, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Angle between the normals of neighbouring boundary quadrilaterals. Degrees, range [0, 180], default 30.
+   */
+  vtkSetMacro(CreaseAngle, double);
+  vtkGetMacro(CreaseAngle, double);
+  ///@}
+
+  ///@{
+  /**
+   * Planar block sides that keep their mesh points: those of the far field, that is of the outer boundary but neither
+   * body nor symmetry plane (default); all but the body's, where inner joins are then C0 only; or none.
+   */
+  vtkSetClampMacro(PlanarSides, int, FAR_FIELD, NONE);
+  vtkGetMacro(PlanarSides, int);
+  ///@}
+
+  ///@{
+  /**
+   * A side is planar if its points are closer to a plane than this fraction of its bounding box's diagonal. Range
+   * >= 0, default 1e-6.
+   */
+  vtkSetMacro(PlanarTolerance, double);
+  vtkGetMacro(PlanarTolerance, double);
+  ///@}
+
+  ///@{
+  /**
+   * How the control point diagonally inside a body patch is found at extraordinary body vertices: from the second
+   * fundamental form of the limit surface (default), as the fourth point of a parallelogram, or by the mask
+   * 4/9 2/9 2/9 1/9.
+   */
+  vtkSetClampMacro(BodyTwist, int, SECOND_FUNDAMENTAL_FORM, MASK);
+  vtkGetMacro(BodyTwist, int);
+  ///@}
+
+  ///@{
+  /**
+   * c in p_1/3 = c p_0 + (1 - c) p_1, the first inserted layer above the body. Range (0, 1), default 2/3; larger moves
+   * the layer to the wall. For layers that grow by the ratio g the matching value is (2 + ln g) / (3 + ln g).
+   */
+  vtkSetMacro(WallSpacing, double);
+  vtkGetMacro(WallSpacing, double);
+  ///@}
+
+  ///@{
+  /**
+   * Boundary points are one point if they are closer than this fraction of the shortest mesh edge at either of them.
+   * Range (0, 0.5), default 0.05.
+   */
+  vtkSetMacro(MatchTolerance, double);
+  vtkGetMacro(MatchTolerance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Accept collapsed faces and cells without volume instead of refusing the mesh. Default off.
+   */
+  vtkSetMacro(AllowDegenerate, bool);
+  vtkGetMacro(AllowDegenerate, bool);
+  vtkBooleanMacro(AllowDegenerate, bool);
+  ///@}
+
+  ///@{
+  /**
+   * What the last execution did.
+   */
+  vtkGetMacro(NumberOfInputBlocks, int);
+  vtkGetMacro(NumberOfBlocks, int);
+  vtkGetMacro(NumberOfExtraordinaryEdges, int);
+  vtkGetMacro(NumberOfSingularNodes, int);
+  vtkGetMacro(NumberOfControlPoints, vtkIdType);
+  ///@}
+
+  /**
+   * Control points per code of `ControlPointRule`; a shared one counts in every block that holds it.
+   */
+  vtkDataArray* GetControlPointsPerRule();
+
+  /**
+   * All of it as a text: totals, extraordinary curves per valence, boundaries with their roles, one line per block.
+   */
+  const char* GetReport() const { return this->Report.c_str(); }
+
+protected:
+  vtkCatmullClarkToBSplineVolume();
+  ~vtkCatmullClarkToBSplineVolume() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkCatmullClarkToBSplineVolume(const vtkCatmullClarkToBSplineVolume&) = delete;
+  void operator=(const vtkCatmullClarkToBSplineVolume&) = delete;
+
+  void ResetReport();
+
+  std::vector<std::string> BodyBoundaries{ "wall*", "bcwall*", "body*", "noslip*", "no_slip*", "no-slip*", "viscous*",
+    "solid*" };
+  std::vector<std::string> SymmetryBoundaries{ "sym*", "bcsym*" };
+  std::vector<std::array<int, 2>> BodyFaces;
+  bool UseCreaseAngle = false;
+  double CreaseAngle = 30.0;
+  int PlanarSides = FAR_FIELD;
+  double PlanarTolerance = 1e-6;
+  int BodyTwist = SECOND_FUNDAMENTAL_FORM;
+  double WallSpacing = 2.0 / 3.0;
+  double MatchTolerance = 0.05;
+  bool AllowDegenerate = false;
+
+  int NumberOfInputBlocks = 0;
+  int NumberOfBlocks = 0;
+  int NumberOfExtraordinaryEdges = 0;
+  int NumberOfSingularNodes = 0;
+  vtkIdType NumberOfControlPoints = 0;
+  vtkSmartPointer<vtkIdTypeArray> ControlPointsPerRule;
+  std::string Report;
+};
+
+#endif

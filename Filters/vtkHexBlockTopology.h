@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkHexBlockTopology
+ * @brief   vertices, edges and faces of the complex that hexahedral blocks form
+ *
+ * Welds the blocks of a multi-block mesh to the conforming complex on which the conversion works, and shows it.
+ *
+ * Input: a tree of vtkStructuredGrid or one vtkStructuredGrid; field data `Interfaces`, `Boundaries`, `BoundaryNames`
+ * and `CreaseEdges` and the point array `CreaseSharpness` are used if present (HexBlockData.h). Blocks are cut where an
+ * interface covers only part of a face and where a crease or the border of a named boundary runs inside a face.
+ *
+ * Output: a vtkPartitionedDataSetCollection of three vtkPolyData,
+ * - `Vertices`: one vertex cell per vertex of the complex;
+ * - `Edges`: one poly line per edge, through its mesh points;
+ * - `Faces`: one quadrilateral per mesh quadrilateral of every face, all cells of a face with the same data; seen from
+ *   outside, boundary faces of right-handed blocks run counter-clockwise;
+ *
+ * with the cell arrays
+ * - `GlobalId` (int): number of the entity in the complex;
+ * - `Class` (unsigned char): 0 regular, 1 boundary, 2 extraordinary, 3 singular, 4 crease, 5 corner. An interior edge is
+ *   extraordinary if other than four blocks meet there, and a singular vertex is one at which extraordinary edges of
+ *   more than one direction meet. A vertex is extraordinary inside a curve of extraordinary edges, and on the boundary
+ *   where other than four boundary faces meet away from creases and borders of named boundaries;
+ * - `Valence` (int): number of block corners, block edges or block faces that meet there;
+ * - `BlockIds` (int, as many components as any entity of that part has blocks): the blocks, ascending, filled with -1.
+ *   Blocks are those of the complex, after cutting;
+ * - `BoundaryTag` (int): index into `BoundaryNames` of the boundary that the entity lies on, the lowest if there are
+ *   several, -1 without one.
+ *
+ * Field data of the collection: string arrays `ClassNames` and `BoundaryNames`; int array `ExtraordinaryCurves` (2
+ * components: valence, number of curves); int array `ParentBlock`: per block of the complex the input block that it is a
+ * piece of.
+ *
+ * An empty input gives three empty parts. What cannot be welded is an error that names block and face.
+ *
+ * @sa vtkCatmullClarkToBSplineVolume
+ */
+#ifndef vtkHexBlockTopology_h
+#define vtkHexBlockTopology_h
+
+#include "BSplineVolumeFiltersModule.h" // For export macro
+#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+
+#include <string> // For the report
+
+class BSPLINEVOLUMEFILTERS_EXPORT vtkHexBlockTopology : public vtkPartitionedDataSetCollectionAlgorithm
+{
+public:
+  static vtkHexBlockTopology* New();
+  vtkTypeMacro(vtkHexBlockTopology, vtkPartitionedDataSetCollectionAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Boundary points are one point if they are closer than this fraction of the shortest mesh edge at either of them.
+   * Range (0, 0.5), default 0.05.
+   */
+  vtkSetMacro(MatchTolerance, double);
+  vtkGetMacro(MatchTolerance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Accept collapsed faces and cells without volume instead of refusing the mesh. Default off.
+   */
+  vtkSetMacro(AllowDegenerate, bool);
+  vtkGetMacro(AllowDegenerate, bool);
+  vtkBooleanMacro(AllowDegenerate, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Make every mesh edge of the outer boundary a crease at which the surface turns by more than CreaseAngle. Default
+   * off: only tagged creases count.
+   */
+  vtkSetMacro(UseCreaseAngle, bool);
+  vtkGetMacro(UseCreaseAngle, bool);
+  vtkBooleanMacro(UseCreaseAngle, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Angle between the normals of neighbouring boundary quadrilaterals. Degrees, range [0, 180], default 30.
+   */
+  vtkSetMacro(CreaseAngle, double);
+  vtkGetMacro(CreaseAngle, double);
+  ///@}
+
+  ///@{
+  /**
+   * What the last execution found.
+   */
+  vtkGetMacro(NumberOfInputBlocks, int);
+  vtkGetMacro(NumberOfBlocks, int);
+  vtkGetMacro(NumberOfVertices, int);
+  vtkGetMacro(NumberOfEdges, int);
+  vtkGetMacro(NumberOfFaces, int);
+  vtkGetMacro(NumberOfExtraordinaryEdges, int);
+  vtkGetMacro(NumberOfSingularNodes, int);
+  ///@}
+
+  /**
+   * The same as a text of a few lines, with the number of extraordinary curves per valence.
+   */
+  const char* GetReport() const { return this->Report.c_str(); }
+
+protected:
+  vtkHexBlockTopology() = default;
+  ~vtkHexBlockTopology() override = default;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkHexBlockTopology(const vtkHexBlockTopology&) = delete;
+  void operator=(const vtkHexBlockTopology&) = delete;
+
+  double MatchTolerance = 0.05;
+  bool AllowDegenerate = false;
+  bool UseCreaseAngle = false;
+  double CreaseAngle = 30.0;
+
+  int NumberOfInputBlocks = 0;
+  int NumberOfBlocks = 0;
+  int NumberOfVertices = 0;
+  int NumberOfEdges = 0;
+  int NumberOfFaces = 0;
+  int NumberOfExtraordinaryEdges = 0;
+  int NumberOfSingularNodes = 0;
+  std::string Report;
+};
+
+#endif

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkHexBlockMeshReader
+ * @brief   reads hexahedral multi-block meshes from PLOT3D and CGNS files
+ *
+ * The kind of the file is found from its contents, never from its name:
+ * - PLOT3D grids, three-dimensional, of one or many blocks: ASCII (Fortran list-directed, with repeats such as `2*65`
+ *   and commas), raw binary and Fortran unformatted (record markers of 4 or 8 bytes), both byte orders, float or double,
+ *   with or without iblank. The layout that explains the size of the file is taken; Format, ByteOrder, Precision and
+ *   IBlank override what is found. A neutral map file (`.nmf`) of the same name beside it tells contacts and boundary
+ *   conditions.
+ * - CGNS (ADF and HDF5): all structured zones of cell dimension 3 with their 1-to-1 interfaces and boundary conditions.
+ *
+ * Output: a vtkPartitionedDataSetCollection, one vtkStructuredGrid per block, named like the CGNS zone or
+ * `block 1`, `block 2`, .. in its meta data and in the data assembly. Points are float or double, as in the file (ASCII:
+ * double). Field data of the collection, each array only if the file tells it (exact layout: HexBlockData.h):
+ * - `Interfaces` (int, 12): contacts of block faces; their points were found to coincide;
+ * - `Boundaries` (int, 3 or 7) and `BoundaryNames` (string): TYPE of the neutral map, or the CGNS family, else the type of
+ *   the condition, else its name. CGNS contacts marked periodic make the boundary `Periodic`.
+ *
+ * Point data: `IBlank` (int) if a PLOT3D file has it.
+ *
+ * Whatever is wrong with a file ends in one error that names file, block, line or offset and value, sets the error code
+ * and leaves the output empty. Sizes are checked against the file before memory is allocated. With several ranks the
+ * mesh is on rank 0.
+ *
+ * Sources: PLOT3D User's Manual, NASA TM-101067 (1990); W. T. Jones, The Neutral Map File, NASA Langley GEOLAB; CGNS
+ * Standard Interface Data Structures, https://cgns.github.io. Not read: two-dimensional and whole-plane PLOT3D files,
+ * function and solution files, unstructured CGNS zones, general CGNS connectivity.
+ *
+ * @sa vtkHexBlockTopology vtkCatmullClarkToBSplineVolume
+ */
+#ifndef vtkHexBlockMeshReader_h
+#define vtkHexBlockMeshReader_h
+
+#include "BSplineVolumeReadersModule.h" // For export macro
+#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+
+#include <string> // For the file names
+
+class BSPLINEVOLUMEREADERS_EXPORT vtkHexBlockMeshReader : public vtkPartitionedDataSetCollectionAlgorithm
+{
+public:
+  static vtkHexBlockMeshReader* New();
+  vtkTypeMacro(vtkHexBlockMeshReader, vtkPartitionedDataSetCollectionAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// How a PLOT3D file is stored.
+  enum FormatType
+  {
+    AUTOMATIC_FORMAT = 0,
+    ASCII,
+    RAW_BINARY,
+    FORTRAN_UNFORMATTED,
+    FORTRAN_UNFORMATTED_64 ///< record markers of 8 bytes
+  };
+
+  enum ByteOrderType
+  {
+    AUTOMATIC_BYTE_ORDER = 0,
+    LITTLE_ENDIAN_ORDER,
+    BIG_ENDIAN_ORDER
+  };
+
+  enum PrecisionType
+  {
+    AUTOMATIC_PRECISION = 0,
+    FLOAT_PRECISION,
+    DOUBLE_PRECISION
+  };
+
+  enum IBlankType
+  {
+    AUTOMATIC_IBLANK = 0,
+    WITHOUT_IBLANK,
+    WITH_IBLANK
+  };
+
+  ///@{
+  /**
+   * The grid file.
+   */
+  vtkSetStdStringFromCharMacro(FileName);
+  vtkGetCharFromStdStringMacro(FileName);
+  ///@}
+
+  ///@{
+  /**
+   * Whether a neutral map file is read beside a PLOT3D file: NeutralMapFile, or else the file with the name of the grid
+   * file and the extension `nmf`, if there is one. On by default.
+   */
+  vtkSetMacro(UseNeutralMap, bool);
+  vtkGetMacro(UseNeutralMap, bool);
+  vtkBooleanMacro(UseNeutralMap, bool);
+  ///@}
+
+  ///@{
+  /**
+   * The neutral map file of a PLOT3D file. Empty by default: see UseNeutralMap.
+   */
+  vtkSetStdStringFromCharMacro(NeutralMapFile);
+  vtkGetCharFromStdStringMacro(NeutralMapFile);
+  ///@}
+
+  ///@{
+  /**
+   * How a PLOT3D file is stored; AUTOMATIC_FORMAT by default.
+   */
+  vtkSetClampMacro(Format, int, AUTOMATIC_FORMAT, FORTRAN_UNFORMATTED_64);
+  vtkGetMacro(Format, int);
+  ///@}
+
+  ///@{
+  /**
+   * Byte order of a binary PLOT3D file; AUTOMATIC_BYTE_ORDER by default.
+   */
+  vtkSetClampMacro(ByteOrder, int, AUTOMATIC_BYTE_ORDER, BIG_ENDIAN_ORDER);
+  vtkGetMacro(ByteOrder, int);
+  ///@}
+
+  ///@{
+  /**
+   * Type of the coordinates of a binary PLOT3D file; AUTOMATIC_PRECISION by default.
+   */
+  vtkSetClampMacro(Precision, int, AUTOMATIC_PRECISION, DOUBLE_PRECISION);
+  vtkGetMacro(Precision, int);
+  ///@}
+
+  ///@{
+  /**
+   * Whether a PLOT3D file holds iblank values; AUTOMATIC_IBLANK by default.
+   */
+  vtkSetClampMacro(IBlank, int, AUTOMATIC_IBLANK, WITH_IBLANK);
+  vtkGetMacro(IBlank, int);
+  ///@}
+
+  /**
+   * What the file was read as, for the user: such as "PLOT3D, Fortran unformatted, little-endian, double, without
+   * iblank". Empty until a file was read.
+   */
+  vtkGetCharFromStdStringMacro(FileLayout);
+
+  /**
+   * 1 if the start of the file is that of a CGNS or PLOT3D file, else 0.
+   */
+  static int CanReadFile(const char* fileName);
+
+protected:
+  vtkHexBlockMeshReader();
+  ~vtkHexBlockMeshReader() override = default;
+
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkHexBlockMeshReader(const vtkHexBlockMeshReader&) = delete;
+  void operator=(const vtkHexBlockMeshReader&) = delete;
+
+  std::string FileName;
+  bool UseNeutralMap = true;
+  std::string NeutralMapFile;
+  int Format = AUTOMATIC_FORMAT;
+  int ByteOrder = AUTOMATIC_BYTE_ORDER;
+  int Precision = AUTOMATIC_PRECISION;
+  int IBlank = AUTOMATIC_IBLANK;
+  std::string FileLayout;
+};
+
+#endif

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkCatmullClarkToBSplineVolume through its proxy: properties, output data, errors, threads, abort."""
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from bsv_support import (simple, vtk, bits, blocks, client, collection, coordinates, demo_mesh, dimensions, failure,
+                         field, grid, main, names, producer, update, values)
+
+RULES = ["Copied", "Regular", "Boundary", "Symmetry", "PlanarSide", "Body", "BodyExtraordinaryVertex", "Crease",
+         "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer"]
+DEMO = demo_mesh(8)
+_CACHE = {}
+
+
+def conversion(mesh, **properties):
+    return simple.CatmullClarkToBSplineVolume(Input=mesh if hasattr(mesh, "SMProxy") else producer(mesh), **properties)
+
+
+def converted_demo():
+    if not _CACHE:
+        proxy = conversion(DEMO, UseCreaseAngle=1)
+        data, warnings = update(proxy)
+        proxy.UpdatePropertyInformation()
+        _CACHE.update(proxy=proxy, data=data, warnings=warnings)
+    return _CACHE["proxy"], _CACHE["data"], _CACHE["warnings"]
+
+
+def rule_counts(data):
+    counts = [0] * len(RULES)
+    for block in blocks(data):
+        for rule in values(block.GetPointData().GetArray("ControlPointRule")):
+            counts[int(rule)] += 1
+    return dict(zip(RULES, counts))
+
+
+def face_points(block, face):
+    """Control points of a face as {(s, t): xyz}, and the counts along s and t."""
+    dims = dimensions(block)
+    normal = face // 2
+    u, v = [d for d in range(3) if d != normal]
+    ijk = [0, 0, 0]
+    ijk[normal] = dims[normal] - 1 if face % 2 else 0
+    found = {}
+    for t in range(dims[v]):
+        for s in range(dims[u]):
+            ijk[u], ijk[v] = s, t
+            found[s, t] = block.GetPoint(ijk[0] + dims[0] * (ijk[1] + dims[1] * ijk[2]))
+    return found, (dims[u], dims[v])
+
+
+def test_properties():
+    proxy = conversion(DEMO)
+    assert list(proxy.BodyBoundaries) == ["wall*", "bcwall*", "body*", "noslip*", "no_slip*", "no-slip*", "viscous*",
+                                          "solid*"]
+    assert list(proxy.SymmetryBoundaries) == ["sym*", "bcsym*"]
+    assert list(proxy.BodyFaces) == []
+    assert proxy.PlanarSides == "FarField" and proxy.BodyTwist == "SecondFundamentalForm"
+    assert abs(proxy.WallSpacing - 2 / 3) < 1e-15 and proxy.CreaseAngle == 30 and proxy.PlanarTolerance == 1e-6
+    assert abs(proxy.MatchTolerance - 0.05) < 1e-15
+    assert not proxy.AllowDegenerate and not proxy.UseCreaseAngle
+    proxy.BodyBoundaries = ["hull", "*Keel*"]
+    proxy.BodyFaces = [0, 4, 1, 5]
+    proxy.SMProxy.UpdateVTKObjects()
+    assert [client(proxy).GetBodyBoundary(n) for n in range(client(proxy).GetNumberOfBodyBoundaries())] == \
+        ["hull", "*Keel*"]
+    assert client(proxy).GetNumberOfBodyFaces() == 2
+    for name, value in (("PlanarSides", "All"), ("PlanarSides", "None"), ("BodyTwist", "Parallelogram"),
+                        ("BodyTwist", "Mask")):
+        proxy.SetPropertyWithName(name, value)
+        assert proxy.GetPropertyValue(name) == value
+
+
+def test_linear_data():
+    """Control points of linear data are the Greville points: 0, 1/3, 1, .., I-1, I-1/3, I in every direction."""
+    cells = (1, 2, 5)
+
+    def place(i, j, k):
+        return 2 * i + j + 1, 3 * j - k, 0.5 * i + 4 * k
+
+    data, warnings = update(conversion(grid(cells, place)))
+    assert not warnings
+    block, = blocks(data)
+    assert dimensions(block) == tuple(n + 3 for n in cells)
+    assert coordinates(block).IsA("vtkDoubleArray")
+    assert field(block, "Degree") == [3, 3, 3]
+    assert field(block, "ParentBlock") == [0] and field(block, "ParentOffset") == [0, 0, 0]
+    greville = []
+    for n, name in zip(cells, ("KnotsU", "KnotsV", "KnotsW")):
+        knots = field(block, name)
+        assert knots == [0, 0, 0] + list(range(n + 1)) + [n, n, n]
+        greville.append([sum(knots[a + 1:a + 4]) / 3 for a in range(n + 3)])
+    point = 0
+    for c in greville[2]:
+        for b in greville[1]:
+            for a in greville[0]:
+                assert max(abs(x - y) for x, y in zip(block.GetPoint(point), place(a, b, c))) < 1e-13
+                point += 1
+
+
+def test_demo():
+    proxy, data, warnings = converted_demo()
+    made = blocks(data)
+    assert len(made) == proxy.NumberOfBlocks == 16 and proxy.NumberOfInputBlocks == 11
+    assert len(set(names(data))) == 16
+    assert len(warnings) <= 1
+    assert proxy.NumberOfExtraordinaryEdges == 8 and proxy.NumberOfSingularNodes == 0
+    assert field(data, "ControlPointRuleNames") == RULES
+    counts = rule_counts(data)
+    assert list(proxy.ControlPointsPerRule) == list(counts.values())
+    assert proxy.NumberOfControlPoints == sum(counts.values()) == sum(b.GetNumberOfPoints() for b in made)
+    for rule in RULES:
+        assert (counts[rule] > 0) == (rule != "SingularNode"), counts
+    # Four extraordinary vertices of valence 3 on the body; their twelve patch corners.
+    assert counts["BodyExtraordinaryVertex"] >= 12
+    assert "4 extraordinary curves of valence 3" in proxy.Report
+    assert "WALL: body" in proxy.Report and "SYMMETRY: symmetry plane" in proxy.Report
+
+
+def test_names_and_assembly():
+    _, data, _ = converted_demo()
+    assembly = data.GetDataAssembly()
+    assert assembly.GetNumberOfChildren(0) == 16
+    listed = [assembly.GetDataSetIndices(assembly.GetChild(0, n)) for n in range(16)]
+    assert sorted(index for indices in listed for index in indices) == list(range(16))
+
+
+def test_parents():
+    """The pieces of an input block fill it without overlap, and their far-field corners are its mesh points."""
+    _, data, _ = converted_demo()
+    inputs = blocks(client(DEMO).GetOutputDataObject(0))
+    cells = [0] * len(inputs)
+    for block in blocks(data):
+        parent, = field(block, "ParentBlock")
+        size = [n - 3 for n in dimensions(block)]
+        whole = [n - 1 for n in dimensions(inputs[int(parent)])]
+        offset = field(block, "ParentOffset")
+        assert all(o >= 0 and o + s <= w for o, s, w in zip(offset, size, whole))
+        cells[int(parent)] += size[0] * size[1] * size[2]
+    assert cells == [block.GetNumberOfCells() for block in inputs]
+
+
+def test_shared_points():
+    """Control points of the two sides of every interface are the same bits."""
+    _, data, _ = converted_demo()
+    made = blocks(data)
+    interfaces = field(data, "Interfaces")
+    boundaries = field(data, "Boundaries")
+    assert 2 * len(interfaces) + len(boundaries) == 6 * len(made)
+    for a, face_a, b, face_b, code in (tuple(int(n) for n in row[:5]) for row in interfaces):
+        points_a, (ns, nt) = face_points(made[a], face_a)
+        points_b, size_b = face_points(made[b], face_b)
+        assert size_b == ((nt, ns) if code & 1 else (ns, nt))
+        for (s, t), x in points_a.items():
+            u, v = (t, s) if code & 1 else (s, t)
+            u = size_b[0] - 1 - u if code & 2 else u
+            v = size_b[1] - 1 - v if code & 4 else v
+            assert points_b[u, v] == x
+
+
+def test_far_field_and_symmetry_stay_planar():
+    _, data, _ = converted_demo()
+    made = blocks(data)
+    boundary = field(data, "BoundaryNames")
+    for row in field(data, "Boundaries"):
+        block, face, tag = (int(n) for n in row[:3])
+        points, _ = face_points(made[block], face)
+        extent = [max(p[d] for p in points.values()) - min(p[d] for p in points.values()) for d in range(3)]
+        if boundary[tag] == "SYMMETRY":
+            assert max(abs(p[1]) for p in points.values()) == 0.0
+        elif boundary[tag] == "FARFIELD":
+            assert min(extent) < 1e-12, (extent, block, face)
+
+
+def test_roles():
+    """Names that do not match give no body; selected faces give the same body as names."""
+    _, data, _ = converted_demo()
+    proxy = conversion(DEMO, UseCreaseAngle=1, BodyBoundaries=["hull"])
+    without, _ = update(proxy)
+    counts = rule_counts(without)
+    assert counts["Body"] == counts["BodyExtraordinaryVertex"] == counts["WallLayer"] == 0
+    proxy.UpdatePropertyInformation()
+    assert "no body" in proxy.Report
+
+    mesh = client(DEMO).GetOutputDataObject(0)
+    wall = field(mesh, "BoundaryNames").index("WALL")
+    faces = [int(n) for row in field(mesh, "Boundaries") if row[2] == wall for n in row[:2]]
+    proxy.BodyFaces = faces
+    selected, _ = update(proxy)
+    assert bits(selected) == bits(data)
+
+    proxy.BodyFaces = []
+    proxy.BodyBoundaries = ["w?L*"]
+    wildcard, _ = update(proxy)
+    assert bits(wildcard) == bits(data)
+
+
+def test_options_matter():
+    _, data, _ = converted_demo()
+    for properties in (dict(WallSpacing=0.8), dict(PlanarSides="None"), dict(PlanarSides="All"), dict(BodyTwist="Mask"),
+                       dict(BodyTwist="Parallelogram"), dict(SymmetryBoundaries=["nothing"])):
+        other, _ = update(conversion(DEMO, UseCreaseAngle=1, **properties))
+        assert bits(other) != bits(data), properties
+
+
+def test_multiblock_input():
+    """Other trees than the reader's, and blocks without any names."""
+    tree = vtk.vtkMultiBlockDataSet()
+    for b in range(2):
+        tree.SetBlock(b, grid((2, 2, 2), lambda i, j, k: (i, j, k), (2 * b, 0, 0)))
+    data, _ = update(conversion(tree))
+    assert len(blocks(data)) == 2 and len(field(data, "Interfaces")) == 1
+    assert data.GetFieldData().GetAbstractArray("Boundaries") is None
+
+
+def test_threads():
+    reference = None
+    for threads in (1, 2, 3):
+        vtk.vtkSMPTools.SetBackend("STDThread")
+        vtk.vtkSMPTools.Initialize(threads)
+        data, _ = update(conversion(DEMO, UseCreaseAngle=1))
+        reference = reference or bits(data)
+        assert bits(data) == reference
+    vtk.vtkSMPTools.Initialize()
+
+
+def test_progress_and_abort():
+    seen = []
+    proxy = conversion(DEMO, UseCreaseAngle=1)
+    client(proxy).AddObserver("ProgressEvent", lambda filter, _: seen.append(filter.GetProgress()))
+    update(proxy)
+    assert len(seen) > 4 and seen == sorted(seen) and 0 <= seen[0] and seen[-1] == 1.0
+
+    for when in (0.0, 0.5, 0.9):
+        proxy = conversion(DEMO, UseCreaseAngle=1)
+        client(proxy).AddObserver(
+            "ProgressEvent", lambda filter, _: filter.SetAbortExecute(filter.GetProgress() >= when))
+        data, warnings = update(proxy)
+        assert data.GetNumberOfPartitionedDataSets() == 0 and not warnings
+
+
+def test_errors():
+    assert "WallSpacing" in failure(conversion(DEMO, WallSpacing=1)) or "wall" in failure(
+        conversion(DEMO, WallSpacing=0)).lower()
+    assert "planar" in failure(conversion(DEMO, PlanarTolerance=-1)).lower()
+    assert "tolerance" in failure(conversion(DEMO, MatchTolerance=0)).lower()
+    assert "crease" in failure(conversion(DEMO, UseCreaseAngle=1, CreaseAngle=200)).lower()
+    text = failure(conversion(DEMO, BodyFaces=[11, 0]))
+    assert "BodyFaces" in text and "11" in text
+
+    wrong = grid((2, 2, 2), lambda i, j, k: (i, j, k))
+    normals = vtk.vtkDoubleArray()
+    normals.SetName("SurfaceNormal")
+    normals.SetNumberOfComponents(2)
+    normals.SetNumberOfTuples(27)
+    wrong.GetPointData().AddArray(normals)
+    assert "SurfaceNormal" in failure(conversion(wrong))
+
+
+def test_recovers_after_an_error():
+    proxy = conversion(DEMO, UseCreaseAngle=1, WallSpacing=-1)
+    failure(proxy)
+    proxy.WallSpacing = 2 / 3
+    data, _ = update(proxy)
+    assert bits(data) == bits(converted_demo()[1])
+
+
+def test_empty():
+    data, warnings = update(conversion(vtk.vtkPartitionedDataSetCollection()))
+    assert data.GetNumberOfPartitionedDataSets() == 0 and not warnings
+    data, warnings = update(conversion(collection([])))
+    assert data.GetNumberOfPartitionedDataSets() == 0 and not warnings
+
+
+if __name__ == "__main__":
+    main(globals())

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tests share: the loaded plugin, messages of filters, small meshes, access to blocks and arrays.
+
+No numpy: ParaView's packages do not bring it.
+"""
+import contextlib
+import os
+import sys
+import tempfile
+
+import bsplinevolume  # noqa: F401  gives the VTK objects behind our proxies their own methods
+from paraview import simple, vtk
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "Examples"))
+simple.LoadPlugin(os.environ["BSV_PLUGIN"], remote=False, ns=simple.__dict__)
+
+
+def client(proxy):
+    """The VTK object behind a proxy."""
+    return proxy.SMProxy.GetClientSideObject()
+
+
+@contextlib.contextmanager
+def messages(proxy):
+    """Errors and warnings that the filter behind `proxy` raises in the block, instead of on the console."""
+    caught = {"errors": [], "warnings": []}
+
+    def observe(event, into):
+        def callback(_object, _event, text):
+            into.append(text)
+        callback.CallDataType = "string0"
+        return client(proxy).AddObserver(event, callback)
+
+    tags = [observe("ErrorEvent", caught["errors"]), observe("WarningEvent", caught["warnings"])]
+    # The pipeline reports once more that the filter failed.
+    executive = client(proxy).GetExecutive()
+    silent = executive.AddObserver("ErrorEvent", lambda *_: None)
+    try:
+        yield caught
+    finally:
+        for tag in tags:
+            client(proxy).RemoveObserver(tag)
+        executive.RemoveObserver(silent)
+
+
+def update(proxy):
+    """Executes a filter that must succeed. Returns its output and its warnings."""
+    with messages(proxy) as caught:
+        proxy.UpdatePipeline()
+    assert not caught["errors"], caught["errors"]
+    return client(proxy).GetOutputDataObject(0), caught["warnings"]
+
+
+def failure(proxy):
+    """Executes a filter that must fail with one error and an empty output. Returns the error."""
+    with messages(proxy) as caught:
+        proxy.UpdatePipeline()
+    assert len(caught["errors"]) == 1, caught
+    output = client(proxy).GetOutputDataObject(0)
+    assert output.GetNumberOfElements(output.POINT) == 0
+    return caught["errors"][0]
+
+
+def producer(data):
+    """Proxy of a source that gives `data`."""
+    source = simple.TrivialProducer()
+    client(source).SetOutput(data)
+    return source
+
+
+def grid(cells, place, offset=(0, 0, 0)):
+    """Structured grid with the points place(i, j, k), i = offset.., in double precision."""
+    points = vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    for k in range(cells[2] + 1):
+        for j in range(cells[1] + 1):
+            for i in range(cells[0] + 1):
+                points.InsertNextPoint(place(i + offset[0], j + offset[1], k + offset[2]))
+    data = vtk.vtkStructuredGrid()
+    data.SetDimensions([n + 1 for n in cells])
+    data.SetPoints(points)
+    return data
+
+
+def collection(grids):
+    """The grids as blocks of a collection."""
+    data = vtk.vtkPartitionedDataSetCollection()
+    data.SetNumberOfPartitionedDataSets(len(grids))
+    for b, block in enumerate(grids):
+        data.SetPartition(b, 0, block)
+    return data
+
+
+def blocks(data):
+    """The leaves of a collection."""
+    return [data.GetPartition(b, 0) for b in range(data.GetNumberOfPartitionedDataSets())]
+
+
+def names(data):
+    return [data.GetMetaData(b).Get(vtk.vtkCompositeDataSet.NAME())
+            for b in range(data.GetNumberOfPartitionedDataSets())]
+
+
+def dimensions(block):
+    """Points per direction."""
+    dims = [0, 0, 0]
+    block.GetDimensions(dims)
+    return tuple(dims)
+
+
+def values(array):
+    """All tuples of a numeric array (plain values for one component), or the strings of a string array."""
+    if array.IsA("vtkStringArray"):
+        return [array.GetValue(n) for n in range(array.GetNumberOfValues())]
+    if array.GetNumberOfComponents() == 1:
+        return [array.GetTuple1(n) for n in range(array.GetNumberOfTuples())]
+    return [array.GetTuple(n) for n in range(array.GetNumberOfTuples())]
+
+
+def field(data, name):
+    """Field array of a data object, as a list."""
+    array = data.GetFieldData().GetAbstractArray(name)
+    assert array is not None, "no field array " + name
+    return values(array)
+
+
+def coordinates(data):
+    return data.GetPoints().GetData()
+
+
+def bits(data):
+    """Everything that a conversion computed, as bytes."""
+    return b"".join(bytes(memoryview(coordinates(block))) +
+                    bytes(memoryview(block.GetPointData().GetArray("ControlPointRule"))) for block in blocks(data))
+
+
+def demo_mesh(cells=8):
+    """Proxy of a reader of the demonstration mesh."""
+    import make_demo_mesh
+    with tempfile.TemporaryDirectory() as folder:
+        path = make_demo_mesh.write_demo(folder, cells)
+        reader = simple.HexBlockMeshReader(FileName=path)
+        reader.UpdatePipeline()
+        data = client(reader).GetOutputDataObject(0)
+        copy = data.NewInstance()
+        copy.ShallowCopy(data)
+    return producer(copy)
+
+
+def main(tests):
+    """Runs all functions named test_* of a module's globals()."""
+    for name, test in list(tests.items()):
+        if name.startswith("test_"):
+            test()
+            print(name, "passed", flush=True)
