@@ -171,13 +171,14 @@ def matches(name, patterns):
 
 def draw(view, net, rule_names):
     """Shows faces, edges and points of a control net; the points in the colours of their rules, if they have any."""
+    used = set()
     for source, color, backface in net:
         display = pv.Show(source, view)
         display.Representation = "Surface With Edges"
         display.BackfaceRepresentation = backface
         display.ColorArrayName = [None, ""]
         display.AmbientColor = display.DiffuseColor = rgb(color)
-        display.Ambient, display.Diffuse = 0.35, 0.65
+        display.Ambient, display.Diffuse = 0.55, 0.5
         display.EdgeColor = rgb("#55617a")
         # A second source, because a source can be shown only once in a view.
         dots = pv.Show(pv.ExtractSurface(Input=source), view)
@@ -185,17 +186,23 @@ def draw(view, net, rule_names):
         dots.PointSize = 6
         dots.ColorArrayName = [None, ""]
         dots.AmbientColor = dots.DiffuseColor = rgb("#101820")
-        if data(source).GetPointData().HasArray("ControlPointRule"):
+        rules = data(source).GetPointData().GetArray("ControlPointRule")
+        if rules:
             pv.ColorBy(dots, ("POINTS", "ControlPointRule"))
-            table = pv.GetColorTransferFunction("ControlPointRule")
-            table.InterpretValuesAsCategories = 1
-            table.Annotations = [text for pair in enumerate(rule_names) for text in (str(pair[0]), pair[1])]
-            table.IndexedColors = [value for color in RULE_COLORS for value in rgb(color)]
-            legend = pv.GetScalarBar(table, view)
-            legend.Title = "control points"
-            legend.ComponentTitle = ""
-            legend.TitleColor = legend.LabelColor = [0.0, 0.0, 0.0]
-            dots.SetScalarBarVisibility(view, True)
+            used |= set(vtk_to_numpy(rules))
+    if used:
+        table = pv.GetColorTransferFunction("ControlPointRule")
+        table.InterpretValuesAsCategories = 1
+        table.Annotations = [text for rule in sorted(used) for text in (str(rule), rule_names[rule])]
+        table.IndexedColors = [value for rule in sorted(used) for value in rgb(RULE_COLORS[rule])]
+        legend = pv.GetScalarBar(table, view)
+        legend.Title = ""
+        legend.ComponentTitle = ""
+        legend.LabelColor = [0.0, 0.0, 0.0]
+        legend.LabelFontSize = 8
+        legend.WindowLocation = "Lower Right Corner"
+        legend.ScalarBarLength = 0.04 * len(used)
+        legend.Visibility = 1
 
 
 def picture(before, after, body, symmetry, path):
@@ -219,7 +226,7 @@ def picture(before, after, body, symmetry, path):
 
     layout = pv.CreateLayout("Before and after")
     layout.SetSize(*SIZE)
-    for cell, net, title in zip((0, 2), nets, ("before: the mesh", "after: control net of the B-spline volumes")):
+    for cell, net, title in zip((0, 2), nets, ("before: mesh", "after: B-spline control net")):
         view = pv.CreateView("RenderView")
         view.UseColorPaletteForBackground = 0
         view.Background = [1.0, 1.0, 1.0]
@@ -231,7 +238,7 @@ def picture(before, after, body, symmetry, path):
         text = pv.Show(pv.Text(Text=title), view)
         text.Color = [0.0, 0.0, 0.0]
         text.FontSize = 9
-        text.WindowLocation = "Lower Center"
+        text.WindowLocation = "Lower Left Corner"
         view.CameraFocalPoint = center
         view.CameraPosition = center + 4.5 * radius * towards / np.linalg.norm(towards)
         view.CameraViewUp = [0.0, 0.0, 1.0]

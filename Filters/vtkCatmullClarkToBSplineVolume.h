@@ -70,7 +70,7 @@ public:
   ///@{
   /**
    * Names of the boundaries that form the body. Case does not matter, `*` stands for any text and `?` for one
-   * character. Default: wall*, bcwall*, body*, noslip*, no_slip*, no-slip*, viscous*, solid*.
+   * character. Default: wall*, bcwall*, body*, no*slip*, viscous*, solid*.
    */
   void AddBodyBoundary(const char* pattern);
   void ClearBodyBoundaries();
@@ -206,8 +206,7 @@ private:
 
   void ResetReport();
 
-  std::vector<std::string> BodyBoundaries{ "wall*", "bcwall*", "body*", "noslip*", "no_slip*", "no-slip*", "viscous*",
-    "solid*" };
+  std::vector<std::string> BodyBoundaries{ "wall*", "bcwall*", "body*", "no*slip*", "viscous*", "solid*" };
   std::vector<std::string> SymmetryBoundaries{ "sym*", "bcsym*" };
   std::vector<std::array<int, 2>> BodyFaces;
   bool UseCreaseAngle = false;

@@ -81,9 +81,7 @@ void checkBSplineVolume(const BSplineVolume& volume, const std::string& name)
 {
   for (int d = 0; d < 3; ++d)
   {
-    const auto fail = [&](const std::string& what) {
-      throw Error(name + ": " + what + " in direction " + Axes[d]);
-    };
+    const auto fail = [&](const std::string& what) { throw Error(name + ": " + what + " in direction " + Axes[d]); };
     const int degree = volume.degree[d];
     const std::vector<double>& knots = volume.knots[d];
     if (degree < 1 || degree > MaxDegree)
@@ -171,8 +169,8 @@ Vec3 evaluate(const BSplineVolume& volume, const Vec3& uvw, const std::array<int
     Vec3 layer = Vec3::Zero();
     for (int b = 0; b <= volume.degree[1]; ++b)
     {
-      const double* point = volume.points +
-        3 * (basis[0].first + (basis[1].first + b) * rowStride + (basis[2].first + c) * layerStride);
+      const double* point =
+        volume.points + 3 * (basis[0].first + (basis[1].first + b) * rowStride + (basis[2].first + c) * layerStride);
       Vec3 row = Vec3::Zero();
       for (int a = 0; a <= volume.degree[0]; ++a, point += 3)
       {

@@ -51,9 +51,9 @@ void checkBSplineVolume(const BSplineVolume& volume, const std::string& name);
 
 /// The `degree` + 1 B-splines that are not zero on one span, or their derivatives, at one parameter u.
 ///
-/// The knots are given by their distances to u: left[j] = u - t(s + 1 - j) and right[j] = t(s + j) - u for j = 1..degree
-/// (entry 0 is not used); s is the span. Reversing the direction exchanges left and right, and gives exactly the mirrored
-/// values. On a knot of multiplicity `degree` the values are exactly 1 and 0.
+/// The knots are given by their distances to u: left[j] = u - t(s + 1 - j) and right[j] = t(s + j) - u for j
+/// = 1..degree (entry 0 is not used); s is the span. Reversing the direction exchanges left and right, and gives
+/// exactly the mirrored values. On a knot of multiplicity `degree` the values are exactly 1 and 0.
 ///
 /// Recurrence (2.5) of Piegl and Tiller for the first degree - order steps, then (2.9) `order` times.
 /// @param[out] values degree + 1 numbers: that of basis function s - degree first.

@@ -445,7 +445,7 @@ private:
         int votes = 0;
         const int ns = this->Result.blocks[face.uses[0].block].cells(faceAxis(face.uses[0].face, 0));
         const int nt = this->Result.blocks[face.uses[0].block].cells(faceAxis(face.uses[0].face, 1));
-        constexpr int Samples = 5;
+        constexpr int Samples = 3;
         for (int t = 0; t < std::min(nt, Samples); ++t)
         {
           for (int s = 0; s < std::min(ns, Samples); ++s)

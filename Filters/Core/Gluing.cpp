@@ -126,7 +126,8 @@ public:
       this->takeBoundary(static_cast<int>(n));
     }
     this->Run.report(0.2);
-    if (this->Options.findInterfaces)
+    // Collapsed quadrilaterals, where allowed, must be told from the others one by one.
+    if (this->Options.findInterfaces && !this->Options.allowDegenerate)
     {
       this->takeWholeFaces();
     }
@@ -691,23 +692,37 @@ private:
     }
     const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
     std::vector<std::vector<std::pair<Index, Index>>> chunks((count + Chunk - 1) / Chunk);
+    std::vector<char> crowded(count, false);
     this->Run.parallelFor(static_cast<Index>(chunks.size()), 1, [&](Index begin, Index end) {
       for (Index chunk = begin; chunk < end; ++chunk)
       {
         for (Index n = chunk * Chunk; n < std::min(count, (chunk + 1) * Chunk); ++n)
         {
+          int found = 0;
           const auto visit = [&](Index m) {
-            if (m > n && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]))
+            if (m > n && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) && found < MostCopies)
             {
               chunks[chunk].push_back({ n, m });
+              ++found;
             }
           };
           const Vec3 reach = Vec3::Constant(tolerance[n]);
           BoxQuery<decltype(visit)> query{ Box(x[n] - reach, x[n] + reach), visit };
           Eigen::BVIntersect(tree, query);
+          crowded[n] = found == MostCopies;
         }
       }
     });
+
+    for (Index n = 0; n < count; ++n)
+    {
+      if (crowded[n])
+      {
+        throw Error("ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) +
+          " points within " + text(tolerance[n]) + " of a point of " +
+          blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])));
+      }
+    }
 
     UnionFind merged(count);
     bool any = false;
@@ -791,7 +806,7 @@ private:
     const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
     // Per quadrilateral the one that covers its center, or -1.
     std::vector<Index> cover(count, -1);
-    this->Run.parallelFor(count, Chunk, [&](Index begin, Index end) {
+    const auto search = [&](Index begin, Index end) {
       for (Index n = begin; n < end; ++n)
       {
         const QuadAt at = this->Surface.quadAt(single[n]);
@@ -808,7 +823,14 @@ private:
         BoxQuery<decltype(visit)> query{ Box(x), visit };
         Eigen::BVIntersect(tree, query);
       }
-    });
+    };
+    constexpr Index PerReport = 64 * Chunk;
+    for (Index start = 0; start < count; start += PerReport)
+    {
+      this->Run.parallelFor(std::min(PerReport, count - start), Chunk,
+        [&](Index begin, Index end) { search(start + begin, start + end); });
+      this->Run.report(0.8 + 0.2 * start / count);
+    }
     Index first = -1;
     Index covered = 0;
     for (Index n = count - 1; n >= 0; --n)
@@ -848,6 +870,8 @@ private:
   }
 
   static constexpr Index Chunk = 1024;
+  /// More points than blocks of any sensible mesh meet.
+  static constexpr int MostCopies = 1000;
 
   const BlockMesh& Mesh;
   const SurfaceNumbering& Surface;

@@ -281,8 +281,7 @@ public:
     {
       for (Index j = box[1].begin; j < box[1].end; ++j, from += 3 * box[0].size())
       {
-        std::copy(
-          from, from + 3 * box[0].size(), this->Samples + 3 * (box[0].begin + j * rows + k * layers));
+        std::copy(from, from + 3 * box[0].size(), this->Samples + 3 * (box[0].begin + j * rows + k * layers));
       }
     }
   }
@@ -376,8 +375,7 @@ std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const st
 {
   if (level < 0 || level > MaxSamplingLevel)
   {
-    throw Error(
-      name + ": level " + std::to_string(level) + " is not in 0.." + std::to_string(MaxSamplingLevel));
+    throw Error(name + ": level " + std::to_string(level) + " is not in 0.." + std::to_string(MaxSamplingLevel));
   }
   std::array<int, 3> counts;
   double bytes = 3 * sizeof(double);
@@ -413,8 +411,8 @@ std::vector<double> sampleParameters(const BSplineVolume& volume, int direction,
   return parameters;
 }
 
-void sample(const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples,
-  const Execution& run)
+void sample(
+  const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
 {
   std::array<WeightTable, 3> tables;
   for (int d = 0; d < 3; ++d)

@@ -29,8 +29,8 @@ namespace bsv
 constexpr int MaxSamplingLevel = 8;
 
 /// Samples per direction at `level`.
-/// @throws Error, beginning with `name`, if the level is not in 0..MaxSamplingLevel or there are more samples than an int
-/// per direction or 2^63 bytes in all can hold.
+/// @throws Error, beginning with `name`, if the level is not in 0..MaxSamplingLevel or there are more samples than an
+/// int per direction or 2^63 bytes in all can hold.
 std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const std::string& name);
 
 /// The parameters of the samples in one direction.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-
 namespace bsv
 {
 
@@ -77,8 +76,8 @@ SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfac
         edges.unite(2 * one + 1, 2 * two + (turned ? 0 : 1));
         if (edges.find(2 * one) == edges.find(2 * one + 1))
         {
-          throw Error("edge " + std::to_string(edgeA) + " of block " + std::to_string(contact.blockA) +
-            " meets itself reversed");
+          throw Error(
+            "edge " + std::to_string(edgeA) + " of block " + std::to_string(contact.blockA) + " meets itself reversed");
         }
       }
     }

@@ -476,6 +476,149 @@ TEST(Conversion, PlanarSidesKeepTheirPoints)
   }
 }
 
+namespace
+{
+
+/// Two blocks whose top (k = K) has a ridge along j = 2.
+MeshCase ridge()
+{
+  return meshcases::cutBox({ 6, 4, 3 }, { { { 3 }, {}, {} } }, [](const Vec3& x) {
+    const double lift = x[2] * (0.3 * std::abs(x[1] - 2.0) + 0.05 * std::sin(x[0]));
+    return Vec3(x[0] + 0.1 * std::sin(x[0] + x[2]), x[1] + 0.03 * x[0] * x[0] * (x[2] / 3.0), x[2] - lift);
+  });
+}
+
+} // namespace
+
+// Along a crease the surface is the cubic B-spline curve of the crease's own points, whatever lies beside it.
+TEST(Conversion, CreaseIsTheSplineOfItsOwnPoints)
+{
+  MeshCase mesh = ridge();
+  std::vector<Vec3> line;
+  for (int b = 0; b < 2; ++b)
+  {
+    mesh.creases.push_back({ b, { 0, 2, 3 }, { 3, 2, 3 } });
+    for (int i = b == 0 ? 0 : 1; i <= 3; ++i)
+    {
+      line.push_back(mesh.blocks[b].at({ i, 2, 3 }));
+    }
+  }
+  line.insert(line.begin(), 2.0 * line[0] - line[1]);
+  line.push_back(2.0 * line.back() - line[line.size() - 2]);
+  const Converted converted = convert(mesh.mesh());
+  ASSERT_EQ(converted.volumes.size(), 4u); // the line runs inside the faces: both blocks are cut
+  int curves = 0;
+  for (const ComplexEdge& edge : converted.complex.edges)
+  {
+    if (!edge.crease)
+    {
+      continue;
+    }
+    ++curves;
+    for (const EdgeUse& use : edge.uses)
+    {
+      const BSplineVolume& volume = converted.volumes[use.block];
+      const int along = edgeDirection(use.edge);
+      const Vec3 start = converted.complex.blocks[use.block].points(
+        facePoint({ 3, 2, 3 }, 5, 0, edgeSide(use.edge, 0) ? 2 : 0));
+      const int first = start == line[1] ? 0 : 3;
+      for (double u = 0.0; u <= 3.0; u += 0.125)
+      {
+        Vec3 parameter;
+        parameter[along] = u;
+        for (int axis = 0; axis < 2; ++axis)
+        {
+          const int d = faceAxis(2 * along, axis);
+          parameter[d] = edgeSide(use.edge, axis) ? volume.count(d) - 3 : 0;
+        }
+        const int span = std::min(static_cast<int>(u), 2);
+        const auto basis = uniformBasis(u - span, 0);
+        Vec3 expected = Vec3::Zero();
+        for (int a = 0; a < 4; ++a)
+        {
+          expected += basis[a] * line[first + span + a];
+        }
+        EXPECT_LE((evaluate(volume, parameter) - expected).norm(), 1e-14 * expected.norm());
+      }
+    }
+  }
+  EXPECT_EQ(curves, 2);
+}
+
+TEST(Conversion, TagsSharpnessAndAngleFindTheSameCrease)
+{
+  MeshCase tagged = ridge();
+  MeshCase sharp = ridge();
+  for (int b = 0; b < 2; ++b)
+  {
+    tagged.creases.push_back({ b, { 0, 2, 3 }, { 3, 2, 3 } });
+    auto& block = sharp.blocks[b];
+    block.creaseSharpness.assign(block.points.size(), 0.0);
+    for (int i = 0; i <= 3; ++i)
+    {
+      block.creaseSharpness[block.index({ i, 2, 3 })] = SharpnessInfinite;
+    }
+  }
+  MeshCase angled = ridge();
+  BlockComplexOptions angle;
+  angle.creaseAngle = 25.0;
+  // The box's own edges are sharper than that, but a single block's edge is a crease anyway.
+  const auto reference = conversioncases::canonicalNet(convert(tagged.mesh()));
+  EXPECT_TRUE(conversioncases::canonicalNet(convert(sharp.mesh())) == reference);
+  EXPECT_TRUE(conversioncases::canonicalNet(convert(angled.mesh(), {}, angle)) == reference);
+  MeshCase smooth = ridge();
+  EXPECT_EQ(convert(smooth.mesh()).volumes.size(), 2u);
+}
+
+// Given points and normals at the extraordinary vertices of the body are met exactly.
+TEST(Conversion, ExtraordinaryBodyVerticesTakeTheGivenPointAndNormal)
+{
+  MeshCase mesh = meshcases::sphereBody(3, { 1.0, 1.2, 1.5 });
+  mesh.boundaryNames = { "wall" };
+  std::vector<std::vector<double>> points, normals;
+  for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
+  {
+    mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { 3, 3 } }, 0 });
+    points.emplace_back();
+    normals.emplace_back();
+    for (const Vec3& x : mesh.blocks[b].points)
+    {
+      const Vec3 normal = Vec3(x[0], x[1], 1.1 * x[2]).normalized(); // not the sphere's, so that it cannot be a chance
+      const Vec3 projection = 0.97 * x;
+      points.back().insert(points.back().end(), projection.data(), projection.data() + 3);
+      normals.back().insert(normals.back().end(), normal.data(), normal.data() + 3);
+    }
+  }
+  ConversionOptions options;
+  options.roles = { BoundaryRole::Body };
+  for (std::size_t b = 0; b < points.size(); ++b)
+  {
+    options.projectedPoints.push_back(points[b].data());
+    options.surfaceNormals.push_back(normals[b].data());
+  }
+  const Converted converted = convert(mesh.mesh(), options);
+  int corners = 0;
+  for (int b = 0; b < 6; ++b)
+  {
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      const int si = corner & 1, sj = corner >> 1;
+      const int i = si ? 5 : 0, j = sj ? 5 : 0;
+      const Vec3 x = mesh.blocks[b].at({ 3 * si, 3 * sj, 0 });
+      EXPECT_EQ(converted.controlPoint(b, { i, j, 0 }), Vec3(0.97 * x));
+      const Vec3 normal = Vec3(x[0], x[1], 1.1 * x[2]).normalized();
+      for (const Ijk& next : { Ijk{ si ? 4 : 1, j, 0 }, Ijk{ i, sj ? 4 : 1, 0 } })
+      {
+        EXPECT_LE(std::abs(normal.dot(converted.controlPoint(b, next) - 0.97 * x)), 1e-15);
+        EXPECT_EQ(converted.rule(b, next), ControlPointRule::BodyExtraordinaryVertex);
+      }
+      ++corners;
+    }
+  }
+  EXPECT_EQ(corners, 24);
+  EXPECT_EQ(conversioncases::interfaceJumps(converted).openControlPoints, 0);
+}
+
 TEST(Conversion, StopsWhenAsked)
 {
   MeshCase mesh = meshcases::cutBox({ 4, 4, 4 });

@@ -67,9 +67,13 @@ void expectSamePoints(const MeshCase& expected, const BlockMesh& found, bool isF
       {
         for (int i = 0; i < block.counts[0]; ++i)
         {
-          const Vec3& x = block.at({ i, j, k });
-          const Vec3 wanted = isFloat ? Vec3(float(x[0]), float(x[1]), float(x[2])) : x;
-          ASSERT_EQ(points(i, j, k), wanted) << std::hexfloat << points(i,j,k)[0] << " " << wanted[0] << " " << x[0] << " " << float(x[0]) << what << ", block " << b << ", point " << i << " " << j << " " << k;
+          const Vec3 x = points(i, j, k);
+          for (int d = 0; d < 3; ++d)
+          {
+            const double wanted = block.at({ i, j, k })[d];
+            ASSERT_EQ(x[d], isFloat ? double(float(wanted)) : wanted)
+              << what << ", block " << b << ", point " << i << " " << j << " " << k;
+          }
         }
       }
     }

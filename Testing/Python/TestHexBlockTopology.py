@@ -187,6 +187,28 @@ def test_demo():
         assert rim == 2 * n, rim
 
 
+# Extraordinary curves and singular nodes of third-party meshes, known from their makers' construction.
+REAL = {
+    "near_tip_vol.xyz": ({3: 4}, 0), "bwb_vol.xyz": ({3: 4}, 0), "717_wl_L2.cgns": ({3: 4}, 0),
+    "t_joint.xyz": ({3: 6, 6: 1}, 0), "torus.xyz": ({3: 4}, 0), "sphere7ProjectedEdges.xyz": ({3: 20}, 8),
+    "even_sphere_vol.xyz": ({3: 8}, 0), "n0012.cgns": ({}, 0), "mixer.xyz": ({}, 0), "multi-bin.xyz": ({}, 0),
+}
+
+
+def test_real_meshes():
+    folder = os.path.join(os.environ.get("BSV_SHARED_DATA", ""), "structured")
+    if not os.path.isdir(folder):
+        print("test_real_meshes skipped: no BSV_SHARED_DATA")
+        return
+    for name, (curves, nodes) in REAL.items():
+        proxy = topology(simple.HexBlockMeshReader(FileName=os.path.join(folder, name)))
+        data, _ = update(proxy)
+        proxy.UpdatePropertyInformation()
+        assert {int(v): int(n) for v, n in field(data, "ExtraordinaryCurves")} == curves, name
+        assert proxy.NumberOfSingularNodes == nodes, name
+        check_incidence(data, proxy.NumberOfBlocks)
+
+
 def test_errors():
     assert "tolerance" in failure(topology(regular_mesh(1, 1), MatchTolerance=0.5)).lower()
     moved = collection([grid((2, 2, 2), lambda i, j, k: (i, j, k)),
