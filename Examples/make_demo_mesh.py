@@ -6,11 +6,11 @@ Sample runs:
     pvpython Examples/make_demo_mesh.py /tmp/demo 16
 
 What the mesh holds, so that every part of the conversion has something to do:
-  * a body that is no sphere, with a sharp rim (crease) in the plane z = 0; the rim runs along block borders on one side of
-    the body and inside block faces at nose and tail, where the blocks have to be split;
+  * a body that is no sphere, with a sharp rim (crease) in the plane z = 0; the rim runs along a block border at the
+    body's tip and inside block faces at nose and tail, where the blocks have to be split;
   * a symmetry plane y = 0 and a box as far field, planar on all sides;
-  * the blocks of a halved cubed sphere: four extraordinary edges of valence 3 run from the body to the far field, across a
-    border between stacked blocks;
+  * the blocks of a halved cubed sphere: four extraordinary edges of valence 3 run from the body to the far field,
+    across a border between stacked blocks;
   * interfaces that cover only part of a face: one far block lies over two near blocks;
   * layers that grow from about a tenth of the local edge length, and randomly oriented and numbered blocks.
 

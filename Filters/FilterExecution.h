@@ -28,8 +28,8 @@ inline bool aborted(vtkAlgorithm* algorithm)
 /// Execution whose progress 0..1 fills the part [first, last] of the algorithm's progress bar. `algorithm` must outlive
 /// it.
 ///
-/// An exception in a loop is handed to the calling thread, the one of the lowest range if there are several: thrown in a
-/// worker thread of vtkSMPTools it would end the process.
+/// An exception in a loop is handed to the calling thread, the one of the lowest range if there are several: thrown in
+/// a worker thread of vtkSMPTools it would end the process.
 inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, double last = 1.0)
 {
   Execution run;

@@ -8,15 +8,15 @@
  * limit rules at extraordinary edges, boundaries, creases and on the body. Shared control points are equal bit for bit,
  * for any order and orientation of the blocks and any number of threads.
  *
- * Input port 0 (`Input`): a tree of vtkStructuredGrid or one vtkStructuredGrid, (I+1) x (J+1) x (K+1) points per block.
- * Optional field data of the root: `Interfaces`, `Boundaries`, `BoundaryNames`, `CreaseEdges` (HexBlockData.h); what is
- * not there is found from coincident points. Optional point arrays of a block: `CreaseSharpness` (0 or >= 10),
- * `ProjectedPoint` (3) and `SurfaceNormal` (3, unit length): foot point and normal on the true body, used at
- * extraordinary body vertices; NaN marks points without a value.
+ * Input port 0 (`Input`): a tree of vtkStructuredGrid or one vtkStructuredGrid, (I+1) x (J+1) x (K+1) points per
+ * block. Optional field data of the root: `Interfaces`, `Boundaries`, `BoundaryNames`, `CreaseEdges`
+ * (HexBlockData.h); what is not there is found from coincident points. Optional point arrays of a block:
+ * `CreaseSharpness` (0 or >= 10), `ProjectedPoint` (3) and `SurfaceNormal` (3, unit length): foot point and normal on
+ * the true body, used at extraordinary body vertices; NaN marks points without a value.
  *
- * Output: a vtkPartitionedDataSetCollection with a flat assembly, one vtkStructuredGrid of (I+3) x (J+3) x (K+3) control
- * points in double precision per block. Blocks are cut where an interface covers part of a face or a crease runs inside
- * one, so there can be more blocks than in the input. Of every block:
+ * Output: a vtkPartitionedDataSetCollection with a flat assembly, per block one vtkStructuredGrid of
+ * (I+3) x (J+3) x (K+3) control points in double precision. Blocks are cut where an interface covers part of a face or
+ * a crease runs inside one, so there can be more blocks than in the input. Of every block:
  * - field data `Degree` (int: 3, 3, 3), `KnotsU`, `KnotsV`, `KnotsW` (double, {0,0,0,0,1,..,I-1,I,I,I,I}),
  *   `ParentBlock` (int: input block) and `ParentOffset` (int, 3 values: mesh point of the input block at which the
  *   piece starts);

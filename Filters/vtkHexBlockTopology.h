@@ -12,13 +12,13 @@
  * Output: a vtkPartitionedDataSetCollection of three vtkPolyData,
  * - `Vertices`: one vertex cell per vertex of the complex;
  * - `Edges`: one poly line per edge, through its mesh points;
- * - `Faces`: one quadrilateral per mesh quadrilateral of every face, all cells of a face with the same data; seen from
- *   outside, boundary faces of right-handed blocks run counter-clockwise;
+ * - `Faces`: one quadrilateral per mesh quadrilateral of every face, all cells of a face with the same data; seen
+ *   from outside, boundary faces of right-handed blocks run counter-clockwise;
  *
  * with the cell arrays
  * - `GlobalId` (int): number of the entity in the complex;
- * - `Class` (unsigned char): 0 regular, 1 boundary, 2 extraordinary, 3 singular, 4 crease, 5 corner. An interior edge is
- *   extraordinary if other than four blocks meet there, and a singular vertex is one at which extraordinary edges of
+ * - `Class` (unsigned char): 0 regular, 1 boundary, 2 extraordinary, 3 singular, 4 crease, 5 corner. An interior edge
+ *   is extraordinary if other than four blocks meet there, and a singular vertex is one at which extraordinary edges of
  *   more than one direction meet. A vertex is extraordinary inside a curve of extraordinary edges, and on the boundary
  *   where other than four boundary faces meet away from creases and borders of named boundaries;
  * - `Valence` (int): number of block corners, block edges or block faces that meet there;
@@ -28,8 +28,8 @@
  *   several, -1 without one.
  *
  * Field data of the collection: string arrays `ClassNames` and `BoundaryNames`; int array `ExtraordinaryCurves` (2
- * components: valence, number of curves); int array `ParentBlock`: per block of the complex the input block that it is a
- * piece of.
+ * components: valence, number of curves); int array `ParentBlock`: per block of the complex the input block that it is
+ * a piece of.
  *
  * An empty input gives three empty parts. What cannot be welded is an error that names block and face.
  *

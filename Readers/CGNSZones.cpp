@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CGNSZones.h"
 
+#include "CGNSTree.h"
 #include "FaceContact.h"
 
 #include <vtk_cgns.h>
@@ -53,6 +54,7 @@ public:
     : FileName(fileName)
     , Run(run)
   {
+    checkCGNSTree(fileName);
     this->check(cg_open(fileName.c_str(), CG_MODE_READ, &this->File), "");
     this->IsOpen = true;
   }

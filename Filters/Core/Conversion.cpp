@@ -224,8 +224,8 @@ void Converter::convertFace(int face)
       }
       const std::array<int, 2> st = mapFacePoint(shared.orientation, s, t, ns, nt);
       const Vec3 across = sides[1].owner->points(sides[1].mesh(st[0], st[1], 1));
-      const Vec3 middle = faceRule.planar ? own : smoothMask(inner, own, across);
-      const ControlPointRule rule = faceRule.planar ? ControlPointRule::PlanarSide : ControlPointRule::Regular;
+      const Vec3 middle = faceRule.planar() ? own : smoothMask(inner, own, across);
+      const ControlPointRule rule = faceRule.planar() ? ControlPointRule::PlanarSide : ControlPointRule::Regular;
       this->write(sides[0].block, sides[0].net(s, t, 0), middle, rule);
       this->write(sides[1].block, sides[1].net(st[0], st[1], 0), middle, rule);
       this->write(
@@ -288,7 +288,7 @@ Fan Converter::controlFan(int edge, const EdgeFan& fan, int k) const
   for (int i = 0; i < points.spokeCount(); ++i)
   {
     const int face = fan.faceOf(this->Complex, i);
-    if (!this->Complex.faces[face].boundary() && !this->Rules.faces[face].planar)
+    if (!this->Complex.faces[face].boundary() && !this->Rules.faces[face].planar())
     {
       along[i] = smoothMask(points.sectors[(i + sectors - 1) % sectors], points.spokes[i], points.sectors[i % sectors]);
     }
@@ -523,7 +523,7 @@ void Converter::convertSurface(Star& star) const
     {
       features.push_back(i);
     }
-    planarSectors += this->Rules.faces[star.faces[sectors[i]].face].planar ? 1 : 0;
+    planarSectors += this->Rules.faces[star.faces[sectors[i]].face].planar() ? 1 : 0;
     body = body && this->isWall(star.faces[sectors[i]].face);
   }
   const auto keepsPoints = [&](int spoke) { return this->Rules.edges[star.edges[spokes[spoke]].edge].anchored; };
@@ -596,7 +596,7 @@ void Converter::convertSurface(Star& star) const
         group.spokes.push_back(fan.spokes[at]);
         group.sectors.push_back(fan.sectors[at]);
         near.push_back(weights[at]);
-        planar = planar || this->Rules.faces[star.faces[sectors[at]].face].planar;
+        planar = planar || this->Rules.faces[star.faces[sectors[at]].face].planar();
       }
       if (!group.closed)
       {
@@ -942,7 +942,7 @@ void Converter::convertAnchored(Star& star) const
   for (std::size_t f = 0; f < star.faces.size(); ++f)
   {
     const VertexStar::Face& face = star.faces[f];
-    diagonal[f] = face.boundary || this->Rules.faces[face.face].planar
+    diagonal[f] = face.boundary || this->Rules.faces[face.face].planar()
       ? face.point
       : smoothMask(star.blocks[face.blocks[0]].point, face.point, star.blocks[face.blocks[1]].point);
     if (!face.boundary)

@@ -45,7 +45,9 @@ enum class BoundaryRole : std::uint8_t
 /// Which planar block sides keep their points.
 enum class PlanarSides : std::uint8_t
 {
-  FarField, ///< planar sides of the outer boundary that are neither body nor symmetry plane (a side ends at sharp edges)
+  /// Planar sides of the outer boundary that are neither body nor symmetry plane. A side ends at sharp edges; the whole
+  /// mesh lies behind it, and it borders on planar sides only.
+  FarField,
   All,      ///< every planar block side but the body's, inner ones too (these joins are then C0 only)
   None
 };

@@ -28,9 +28,17 @@ void forAllPoints(const BlockComplex& complex, int face, const Body& body)
   }
 }
 
-/// Whether all points of the faces lie within `tolerance` bounding-box diagonals of one plane: the plane through the
-/// centroid with the normal of least variance.
-bool arePlanar(const BlockComplex& complex, const std::vector<int>& faces, double tolerance)
+struct Plane
+{
+  Vec3 origin;
+  Vec3 normal;
+  /// Largest distance of a point, and the diagonal of the points' bounding box.
+  double deviation = 0.0;
+  double diagonal = 0.0;
+};
+
+/// The plane through the centroid of the faces' points with the normal of least variance.
+Plane fitPlane(const BlockComplex& complex, const std::vector<int>& faces)
 {
   const auto forAll = [&](const auto& body) {
     for (const int face : faces)
@@ -44,21 +52,48 @@ bool arePlanar(const BlockComplex& complex, const std::vector<int>& faces, doubl
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   });
+  Plane plane;
+  plane.diagonal = (high - low).norm();
   const Vec3 middle = 0.5 * (low + high);
-  const double diagonal = (high - low).norm();
-  Vec3 mean = Vec3::Zero();
+  plane.origin.setZero();
   double count = 0.0;
   forAll([&](const Vec3& x) {
-    mean += x - middle;
+    plane.origin += x - middle;
     count += 1.0;
   });
-  mean = middle + mean / count;
+  plane.origin = middle + plane.origin / count;
   Eigen::Matrix3d variance = Eigen::Matrix3d::Zero();
-  forAll([&](const Vec3& x) { variance += (x - mean) / diagonal * ((x - mean) / diagonal).transpose(); });
-  const Vec3 normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(variance).eigenvectors().col(0);
-  double distance = 0.0;
-  forAll([&](const Vec3& x) { distance = std::max(distance, std::abs(normal.dot(x - mean))); });
-  return distance <= tolerance * diagonal;
+  forAll([&](const Vec3& x) {
+    const Vec3 offset = (x - plane.origin) / plane.diagonal;
+    variance += offset * offset.transpose();
+  });
+  plane.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(variance).eigenvectors().col(0);
+  forAll([&](const Vec3& x) {
+    plane.deviation = std::max(plane.deviation, std::abs(plane.normal.dot(x - plane.origin)));
+  });
+  return plane;
+}
+
+/// Whether no point of the mesh's boundary lies beyond the plane: the mesh is on one side of it.
+bool supportsMesh(const BlockComplex& complex, const Plane& plane, double tolerance)
+{
+  double below = 0.0, above = 0.0;
+  for (std::size_t f = 0; f < complex.faces.size(); ++f)
+  {
+    if (complex.faces[f].boundary())
+    {
+      forAllPoints(complex, static_cast<int>(f), [&](const Vec3& x) {
+        const double height = plane.normal.dot(x - plane.origin);
+        below = std::min(below, height);
+        above = std::max(above, height);
+      });
+      if (-below > tolerance && above > tolerance)
+      {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 /// Angle in degrees by which the outer surface turns at a boundary edge: between the mean normals of the quadrilaterals
@@ -82,67 +117,89 @@ double turningAngle(const BlockComplex& complex, int edge, const EdgeFan& fan)
   return std::atan2(first.cross(second).norm(), first.dot(second)) * 180.0 / std::acos(-1.0);
 }
 
-/// Outer boundary faces that are planar sides. A side is all faces that continue each other without a sharp edge: a
-/// small piece of a curved boundary may be flat, but is no planar side.
-std::vector<bool> planarBoundaryFaces(
+/// Planar side of every face, or -1: the far field.
+///
+/// A side is all faces that continue each other without a sharp edge; a small piece of a curved boundary may be flat, but
+/// is no planar side. A planar side keeps its points only if the whole mesh lies behind it (else it belongs to a body
+/// inside) and if it borders on planar sides alone: next to a curved one, whose border is smoothed, kept points would
+/// fold thin layers.
+std::vector<int> planarBoundaryFaces(
   const BlockComplex& complex, const EntityRules& rules, double tolerance)
 {
-  // Sharper turns separate sides.
+  // Sharper turns, in degrees, separate sides.
   constexpr double SideAngle = 30.0;
   const int count = static_cast<int>(complex.faces.size());
-  const auto candidate = [&](int f) {
-    return complex.faces[f].boundary() && rules.faces[f].role == BoundaryRole::Other;
+  struct Neighbour
+  {
+    int face;
+    bool sameSide;
   };
-  std::vector<std::vector<int>> neighbours(count);
+  std::vector<std::vector<Neighbour>> neighbours(count);
   for (std::size_t e = 0; e < complex.edges.size(); ++e)
   {
     const std::vector<EdgeFan>& fans = rules.edges[e].fans;
     const EdgeFan& fan = fans.front();
-    if (fans.size() != 1 || fan.closed || fan.sectors.size() < 2 || complex.edges[e].crease)
+    if (fans.size() != 1 || fan.closed)
     {
       continue;
     }
     const int a = fan.faceOf(complex, 0);
     const int b = fan.faceOf(complex, fan.spokeCount() - 1);
-    if (candidate(a) && candidate(b) && turningAngle(complex, static_cast<int>(e), fan) <= SideAngle)
-    {
-      neighbours[a].push_back(b);
-      neighbours[b].push_back(a);
-    }
+    const bool sameSide = fan.sectors.size() > 1 && !complex.edges[e].crease &&
+      rules.faces[a].role == rules.faces[b].role &&
+      turningAngle(complex, static_cast<int>(e), fan) <= SideAngle;
+    neighbours[a].push_back({ b, sameSide });
+    neighbours[b].push_back({ a, sameSide });
   }
-  std::vector<bool> planar(count, false), visited(count, false);
+
+  std::vector<int> sideOf(count, -1);
+  std::vector<std::vector<int>> sides;
+  std::vector<Plane> planes;
   for (int f = 0; f < count; ++f)
   {
-    if (!candidate(f) || visited[f])
+    if (!complex.faces[f].boundary() || sideOf[f] >= 0)
     {
       continue;
     }
+    const int number = static_cast<int>(sides.size());
     std::vector<int> side{ f };
-    visited[f] = true;
+    sideOf[f] = number;
     for (std::size_t i = 0; i < side.size(); ++i)
     {
-      for (const int next : neighbours[side[i]])
+      for (const Neighbour& next : neighbours[side[i]])
       {
-        if (!visited[next])
+        if (next.sameSide && sideOf[next.face] < 0)
         {
-          visited[next] = true;
-          side.push_back(next);
+          sideOf[next.face] = number;
+          side.push_back(next.face);
         }
       }
     }
-    const bool flat = arePlanar(complex, side, tolerance);
-    for (const int member : side)
+    planes.push_back(fitPlane(complex, side));
+    sides.push_back(std::move(side));
+  }
+
+  const auto isPlanar = [&](int side) { return planes[side].deviation <= tolerance * planes[side].diagonal; };
+  std::vector<int> planar(count, -1);
+  for (std::size_t side = 0; side < sides.size(); ++side)
+  {
+    bool keeps = rules.faces[sides[side].front()].role == BoundaryRole::Other && isPlanar(static_cast<int>(side));
+    for (const int face : sides[side])
     {
-      planar[member] = flat;
+      for (const Neighbour& next : neighbours[face])
+      {
+        keeps = keeps && rules.faces[next.face].role != BoundaryRole::Body && isPlanar(sideOf[next.face]);
+      }
+    }
+    if (keeps && supportsMesh(complex, planes[side], tolerance * planes[side].diagonal))
+    {
+      for (const int face : sides[side])
+      {
+        planar[face] = static_cast<int>(side);
+      }
     }
   }
   return planar;
-}
-
-/// What must not change across a smooth border of two boundary faces.
-int smoothClass(const FaceRule& rule)
-{
-  return 2 * static_cast<int>(rule.role) + (rule.planar ? 1 : 0);
 }
 
 EdgeRule edgeRule(
@@ -157,7 +214,7 @@ EdgeRule edgeRule(
     bool planar = false;
     for (int i = 0; i < fan.spokeCount(); ++i)
     {
-      planar = planar || faces[fan.faceOf(complex, i)].planar;
+      planar = planar || faces[fan.faceOf(complex, i)].planar();
     }
     result.anchored = planar || fan.sectors.size() < 3 || result.fans.size() > 1;
     result.rule = planar ? ControlPointRule::PlanarSide
@@ -171,22 +228,22 @@ EdgeRule edgeRule(
   const bool manifold = result.fans.size() == 1 && !fan.closed;
   const FaceRule& first = faces[fan.faceOf(complex, 0)];
   const FaceRule& last = faces[fan.faceOf(complex, fan.spokeCount() - 1)];
-  const bool bothPlanar = manifold && first.planar && last.planar;
-  result.feature = !bothPlanar &&
-    (!manifold || fan.sectors.size() == 1 || shared.crease || smoothClass(first) != smoothClass(last));
+  result.feature = !manifold || fan.sectors.size() == 1 || shared.crease || first.role != last.role ||
+    first.planarSide != last.planarSide;
   bool innerPlanar = false;
   for (int i = 1; i + 1 < fan.spokeCount(); ++i)
   {
-    innerPlanar = innerPlanar || faces[fan.faceOf(complex, i)].planar;
+    innerPlanar = innerPlanar || faces[fan.faceOf(complex, i)].planar();
   }
-  result.anchored = result.feature || bothPlanar || innerPlanar;
-  if (result.feature)
-  {
-    result.rule = ControlPointRule::Crease;
-  }
-  else if (bothPlanar || innerPlanar)
+  const bool planar = (first.planar() && last.planar()) || innerPlanar;
+  result.anchored = result.feature || planar;
+  if (planar)
   {
     result.rule = ControlPointRule::PlanarSide;
+  }
+  else if (result.feature)
+  {
+    result.rule = ControlPointRule::Crease;
   }
   else if (fan.sectors.size() != 2)
   {
@@ -213,7 +270,7 @@ ControlPointRule EntityRules::boundaryRule(int face) const
     case BoundaryRole::Symmetry:
       return ControlPointRule::Symmetry;
     default:
-      return rule.planar ? ControlPointRule::PlanarSide : ControlPointRule::Boundary;
+      return rule.planar() ? ControlPointRule::PlanarSide : ControlPointRule::Boundary;
   }
 }
 
@@ -239,23 +296,25 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
       rules.faces[f].role = options.roles[tag];
     }
   }
-  std::vector<bool> planar(complex.faces.size(), false);
+  std::vector<int> planar(complex.faces.size(), -1);
   if (options.planarSides == PlanarSides::FarField)
   {
     planar = planarBoundaryFaces(complex, rules, options.planarTolerance);
   }
   else if (options.planarSides == PlanarSides::All)
   {
-    for (std::size_t f = 0; f < complex.faces.size(); ++f)
+    for (int f = 0; f < static_cast<int>(complex.faces.size()); ++f)
     {
-      planar[f] = rules.faces[f].role != BoundaryRole::Body &&
-        arePlanar(complex, { static_cast<int>(f) }, options.planarTolerance);
+      const Plane plane = fitPlane(complex, { f });
+      const bool keeps = rules.faces[f].role != BoundaryRole::Body &&
+        plane.deviation <= options.planarTolerance * plane.diagonal;
+      planar[f] = keeps ? f : -1;
     }
   }
   for (std::size_t f = 0; f < complex.faces.size(); ++f)
   {
-    rules.faces[f].planar = planar[f];
-    rules.planarFaces += planar[f] ? 1 : 0;
+    rules.faces[f].planarSide = planar[f];
+    rules.planarFaces += planar[f] >= 0 ? 1 : 0;
   }
   forEachEdge([&](int e) {
     EdgeRule& rule = rules.edges[e];

@@ -14,15 +14,17 @@ namespace bsv
 struct FaceRule
 {
   BoundaryRole role = BoundaryRole::Other;
-  /// The points of this side are kept (ConversionOptions::planarSides).
-  bool planar = false;
+  /// The planar side that this face belongs to, whose points are kept (ConversionOptions::planarSides), or -1.
+  int planarSide = -1;
+
+  bool planar() const { return this->planarSide >= 0; }
 };
 
 struct EdgeRule
 {
   std::vector<EdgeFan> fans;
   /// Boundary edge where the outer surface is not smooth: a single block, a crease, a change between body, symmetry
-  /// plane, planar side and other boundaries, or blocks that touch along the edge only.
+  /// plane, planar sides and other boundaries, or blocks that touch along the edge only.
   bool feature = false;
   /// The centre of the layers around this edge keeps its points (features, planar sides, fans too small to be smooth).
   bool anchored = false;

@@ -860,13 +860,18 @@ private:
     {
       return false;
     }
-    double turns[4];
+    // A center on an edge counts, which is what half a cell of offset gives.
+    constexpr double Margin = 1e-6;
+    bool left = true;
+    bool right = true;
     for (int c = 0; c < 4; ++c)
     {
-      turns[c] = n.dot((corners[(c + 1) % 4] - corners[c]).cross(x - corners[c]));
+      const Vec3 edge = corners[(c + 1) % 4] - corners[c];
+      const double turn = n.dot(edge.cross(x - corners[c]));
+      left = left && turn >= -Margin * edge.squaredNorm();
+      right = right && turn <= Margin * edge.squaredNorm();
     }
-    return std::all_of(turns, turns + 4, [](double turn) { return turn > 0.0; }) ||
-      std::all_of(turns, turns + 4, [](double turn) { return turn < 0.0; });
+    return left || right;
   }
 
   static constexpr Index Chunk = 1024;

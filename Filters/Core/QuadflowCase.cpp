@@ -61,9 +61,8 @@ int spans(const BSplineVolume& volume, int d)
   return static_cast<int>(nonEmptySpans(volume.degree[d], volume.knots[d]).size());
 }
 
-/// Why two faces do not meet, or nothing. `where` is the control point of A, if one is to blame.
-std::string difference(
-  const BSplineVolume& a, int faceA, const BSplineVolume& b, int faceB, int orientation, Ijk* where = nullptr)
+/// Why two faces do not meet, or nothing.
+std::string difference(const BSplineVolume& a, int faceA, const BSplineVolume& b, int faceB, int orientation)
 {
   for (int axis = 0; axis < 2; ++axis)
   {
@@ -106,10 +105,6 @@ std::string difference(
       const Ijk iB = onFace(b, faceB, m[0], m[1]);
       if (!sameBits(pointAt(a, iA), pointAt(b, iB)))
       {
-        if (where)
-        {
-          *where = iA;
-        }
         return "control points " + pointName(iA) + " and " + pointName(iB) + " differ";
       }
     }
@@ -511,7 +506,7 @@ private:
     const auto compare = [&](const char* what, std::size_t derived, std::size_t found, auto&& derivedIds, auto&& ids) {
       if (derived != found)
       {
-        this->fail(0,
+        this->fail(this->All.countsLine,
           "there are " + std::to_string(found) + " " + what + ", but the interfaces make " + std::to_string(derived));
       }
       std::vector<int> toFound(derived, -1);
@@ -697,21 +692,11 @@ private:
       const Interface& c = entry.contact;
       const QuadflowBlock& a = this->All.blocks[c.blockA];
       const QuadflowBlock& b = this->All.blocks[c.blockB];
-      Ijk atA{ -1, -1, -1 };
-      Ijk atB{ -1, -1, -1 };
-      std::string what = difference(a.volume, c.faceA, b.volume, c.faceB, c.orientation, &atA, &atB);
-      if (what.empty())
+      const std::string what = difference(a.volume, c.faceA, b.volume, c.faceB, c.orientation);
+      if (!what.empty())
       {
-        continue;
+        this->fail(entry.line, this->interfaceName(c) + what);
       }
-      if (atA[0] >= 0 && a.pointsLine > 0)
-      {
-        const Index lineA = a.pointsLine + (pointAt(a.volume, atA) - a.volume.points) / 3;
-        const Index lineB = b.pointsLine + (pointAt(b.volume, atB) - b.volume.points) / 3;
-        what += " (lines " + std::to_string(lineA) + " and " + std::to_string(lineB) + ", if none is empty, of " +
-          this->GeometryFile + ")";
-      }
-      this->fail(entry.line, this->interfaceName(c) + what);
     }
   }
 

@@ -91,6 +91,7 @@ struct QuadflowCase
 {
   /// First id in the text that was read: messages name ids as they stand there.
   int indexBase = 0;
+  int countsLine = 0;
   std::vector<QuadflowVertex> vertices;
   std::vector<QuadflowEdge> edges;
   std::vector<QuadflowFace> faces;

@@ -639,6 +639,7 @@ private:
       this->In.fail(
         "the counts need more than the " + std::to_string(this->In.remaining()) + " bytes that follow in the file");
     }
+    this->All.countsLine = this->In.line();
     this->All.vertices.resize(vertices);
     this->All.edges.resize(edges);
     this->All.faces.resize(faces);
@@ -973,6 +974,20 @@ private:
 };
 
 } // namespace
+
+bool looksLikeQuadflow(const std::string& path)
+{
+  try
+  {
+    Lines in(path);
+    in.next(Magic);
+    return in.word() == Magic;
+  }
+  catch (const Error&)
+  {
+    return false;
+  }
+}
 
 QuadflowCase readQuadflow(const std::string& path, const QuadflowStorage& storage, const Execution& run)
 {

@@ -31,6 +31,9 @@ struct QuadflowOptions
 void writeQuadflow(
   const QuadflowCase& all, const std::string& path, const QuadflowOptions& options = {}, const Execution& run = {});
 
+/// Whether the file begins as a topology file.
+bool looksLikeQuadflow(const std::string& path);
+
 /// Memory for the control points of block `block`: `counts[0] * counts[1] * counts[2]` triples.
 using QuadflowStorage = std::function<double*(int block, const std::array<int, 3>& counts)>;
 

@@ -202,6 +202,47 @@ def test_options_matter():
         assert bits(other) != bits(data), properties
 
 
+def test_given_surface():
+    """Projection points and normals of the mesh are used at extraordinary body vertices."""
+    import make_demo_mesh
+    mesh = client(DEMO).GetOutputDataObject(0)
+    corners = {make_demo_mesh.mesh_point((a, 4, c, 0), 4, 16) for a in (-4, 4) for c in (-4, 4)}
+    moved = {corner: tuple(0.98 * x for x in corner) for corner in corners}
+    copy = mesh.NewInstance()
+    copy.DeepCopy(mesh)
+    marked = 0
+    for block in blocks(copy):
+        arrays = []
+        for name in ("ProjectedPoint", "SurfaceNormal"):
+            array = vtk.vtkDoubleArray()
+            array.SetName(name)
+            array.SetNumberOfComponents(3)
+            array.SetNumberOfTuples(block.GetNumberOfPoints())
+            array.Fill(float("nan"))
+            block.GetPointData().AddArray(array)
+            arrays.append(array)
+        for n in range(block.GetNumberOfPoints()):
+            x = block.GetPoint(n)
+            if x in moved:
+                length = sum(c * c for c in x) ** 0.5
+                arrays[0].SetTuple3(n, *moved[x])
+                arrays[1].SetTuple3(n, *(c / length for c in x))
+                marked += 1
+    assert marked == 4 * 3
+    data, _ = update(conversion(copy, UseCreaseAngle=1))
+    found = set()
+    for block in blocks(data):
+        rules = values(block.GetPointData().GetArray("ControlPointRule"))
+        found |= {block.GetPoint(n) for n, rule in enumerate(rules) if RULES[int(rule)] == "BodyExtraordinaryVertex"}
+    assert set(moved.values()) <= found
+    # The inserted points beside them lie in the given tangent planes.
+    for corner, point in moved.items():
+        length = sum(c * c for c in corner) ** 0.5
+        heights = sorted(abs(sum(c / length * (q - p) for c, p, q in zip(corner, point, x))) for x in found
+                         if max(abs(p - q) for p, q in zip(point, x)) < 0.2)
+        assert len(heights) >= 4 and heights[3] < 1e-13, heights
+
+
 def test_multiblock_input():
     """Other trees than the reader's, and blocks without any names."""
     tree = vtk.vtkMultiBlockDataSet()

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file CGNSTree.h
+/// A look at the nodes of a CGNS file before the CGNS library loads them: it ends the process if a node claims more data
+/// than there is memory, and overruns its buffers if one has a type it does not know.
+#pragma once
+
+#include <string>
+
+namespace bsv
+{
+
+/// Checks type, dimensions and data size of every node against the size of the file. Linked nodes are not followed.
+/// @throws Error naming file, node and value.
+void checkCGNSTree(const std::string& fileName);
+
+} // namespace bsv

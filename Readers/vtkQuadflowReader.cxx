@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkQuadflowReader.h"
+
+#include "BSplineVolumeData.h"
+#include "FilterExecution.h"
+#include "HexBlockData.h"
+#include "QuadflowFormat.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkErrorCode.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPoints.h"
+#include "vtkSmartPointer.h"
+#include "vtkStructuredGrid.h"
+#include "vtksys/SystemTools.hxx"
+
+#include <map>
+
+vtkStandardNewMacro(vtkQuadflowReader);
+
+//------------------------------------------------------------------------------
+vtkQuadflowReader::vtkQuadflowReader()
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+//------------------------------------------------------------------------------
+void vtkQuadflowReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << this->FileName << "\n";
+}
+
+//------------------------------------------------------------------------------
+int vtkQuadflowReader::CanReadFile(const char* fileName)
+{
+  return fileName && bsv::looksLikeQuadflow(fileName) ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
+int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
+  this->SetErrorCode(vtkErrorCode::NoError);
+  if (this->FileName.empty())
+  {
+    vtkErrorMacro("FileName is empty.");
+    this->SetErrorCode(vtkErrorCode::NoFileNameError);
+    return 0;
+  }
+  try
+  {
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    const bsv::QuadflowStorage storage = [&](int, const std::array<int, 3>& counts) {
+      vtkNew<vtkDoubleArray> values;
+      values->SetNumberOfComponents(3);
+      values->SetNumberOfTuples(vtkIdType(counts[0]) * counts[1] * counts[2]);
+      vtkNew<vtkPoints> points;
+      points->SetData(values);
+      vtkNew<vtkStructuredGrid> grid;
+      grid->SetDimensions(counts.data());
+      grid->SetPoints(points);
+      grids.push_back(grid);
+      return values->GetPointer(0);
+    };
+    const bsv::QuadflowCase all = bsv::readQuadflow(this->FileName, storage, bsv::filterExecution(this));
+
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < all.blocks.size(); ++b)
+    {
+      bsv::setDegreeAndKnots(grids[b], all.blocks[b].volume);
+      names.push_back(all.blocks[b].name);
+    }
+    std::vector<bsv::Interface> interfaces;
+    for (const bsv::QuadflowInterface& entry : all.interfaces)
+    {
+      interfaces.push_back(entry.contact);
+    }
+    std::map<int, int> tags;
+    std::vector<std::string> boundaryNames;
+    for (const bsv::QuadflowBoundaryName& boundary : all.boundaryNames)
+    {
+      tags[boundary.id] = static_cast<int>(boundaryNames.size());
+      boundaryNames.push_back(boundary.name);
+    }
+    std::vector<bsv::BoundaryPatch> boundaries;
+    for (const bsv::QuadflowBoundaryFace& face : all.boundaryFaces)
+    {
+      if (face.boundary != 0)
+      {
+        boundaries.push_back({ face.block, face.face, {}, tags[face.boundary] });
+      }
+    }
+    bsv::setBlocks(output, grids, names, "BSplineVolume");
+    bsv::setWholeFaceContacts(output, interfaces, boundaries, boundaryNames);
+  }
+  catch (const bsv::Aborted&)
+  {
+    output->Initialize();
+  }
+  catch (const std::exception& error)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< error.what());
+    this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
+                                                                       : vtkErrorCode::FileNotFoundError);
+    return 0;
+  }
+  return 1;
+}

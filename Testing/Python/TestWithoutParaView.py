@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Python package of a build without ParaView reads, converts, samples, writes and reads back; run by python3.
+
+Argument: the folder of the modules that must be used.
+"""
+import os
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Examples"))
+import bsplinevolume
+import make_demo_mesh
+
+
+def points(algorithm):
+    data = algorithm.GetOutputDataObject(0)
+    return [bytes(memoryview(data.GetPartition(block, 0).GetPoints().GetData()))
+            for block in range(data.GetNumberOfPartitionedDataSets())]
+
+
+def main(modules):
+    with tempfile.TemporaryDirectory() as folder:
+        reader = bsplinevolume.vtkHexBlockMeshReader()
+        reader.SetFileName(make_demo_mesh.write_demo(folder, 4))
+        convert = bsplinevolume.vtkCatmullClarkToBSplineVolume()
+        convert.SetInputConnection(reader.GetOutputPort())
+        sampler = bsplinevolume.vtkBSplineVolumeSampler()
+        sampler.SetInputConnection(convert.GetOutputPort())
+        sampler.Update()
+        assert len(points(sampler)) == len(points(convert)) >= 11
+
+        writer = bsplinevolume.vtkQuadflowWriter()
+        writer.SetInputConnection(convert.GetOutputPort())
+        writer.SetFileName(os.path.join(folder, "demo.qfmb"))
+        assert writer.Write()
+        reread = bsplinevolume.vtkQuadflowReader()
+        reread.SetFileName(writer.GetFileName())
+        reread.Update()
+        assert points(reread) == points(convert)
+
+    with open("/proc/self/maps") as maps:
+        loaded = {line.split()[-1] for line in maps}
+    assert not [path for path in loaded if "libvtkRemoting" in path or "libvtkPV" in path]
+    assert all(path.startswith(modules + "/") for path in loaded if "libBSplineVolume" in path)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
