@@ -183,7 +183,7 @@ def draw(view, net, rule_names):
         # A second source, because a source can be shown only once in a view.
         dots = pv.Show(pv.ExtractSurface(Input=source), view)
         dots.Representation = "Points"
-        dots.PointSize = 6
+        dots.PointSize = 6 if data(source).GetNumberOfPoints() < 5000 else 3
         dots.ColorArrayName = [None, ""]
         dots.AmbientColor = dots.DiffuseColor = rgb("#101820")
         rules = data(source).GetPointData().GetArray("ControlPointRule")
@@ -240,7 +240,7 @@ def picture(before, after, body, symmetry, path):
         text.FontSize = 9
         text.WindowLocation = "Lower Left Corner"
         view.CameraFocalPoint = center
-        view.CameraPosition = center + 4.5 * radius * towards / np.linalg.norm(towards)
+        view.CameraPosition = center + 4.0 * radius * towards / np.linalg.norm(towards)
         view.CameraViewUp = [0.0, 0.0, 1.0]
     pv.SaveScreenshot(path, layout, ImageResolution=SIZE)
 

@@ -25,7 +25,8 @@ namespace
 constexpr const char* KnotNames[3] = { "KnotsU", "KnotsV", "KnotsW" };
 
 /// All numbers of a field data array.
-std::vector<double> fieldValues(vtkStructuredGrid* grid, const char* name, std::size_t expected, const std::string& label)
+std::vector<double> fieldValues(
+  vtkStructuredGrid* grid, const char* name, std::size_t expected, const std::string& label)
 {
   auto* array = vtkDataArray::SafeDownCast(grid->GetFieldData()->GetAbstractArray(name));
   const std::string what = "field data array '" + std::string(name) + "'";
@@ -106,8 +107,7 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input)
       }
       volume.degree[d] = static_cast<int>(degree[d]);
       const int points = mesh.blocks[b].points.counts()[d];
-      volume.knots[d] =
-        fieldValues(grid, KnotNames[d], static_cast<std::size_t>(points) + volume.degree[d] + 1, label);
+      volume.knots[d] = fieldValues(grid, KnotNames[d], static_cast<std::size_t>(points) + volume.degree[d] + 1, label);
     }
     checkBSplineVolume(volume, label);
     volume.points = doublePoints(grid);

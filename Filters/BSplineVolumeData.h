@@ -11,8 +11,8 @@
 /// | `KnotsU`, `KnotsV`, `KnotsW` | field | double | dimension + degree + 1, non-decreasing |
 /// | `ControlPointRule` | point | unsigned char | optional: bsv::ControlPointRule |
 ///
-/// The root's field data holds `Interfaces`, `Boundaries` and `BoundaryNames` as in HexBlockData.h; every entry must span
-/// whole faces.
+/// The root's field data holds `Interfaces`, `Boundaries` and `BoundaryNames` as in HexBlockData.h; every entry must
+/// span whole faces.
 #pragma once
 
 #include "BSplineVolumeFiltersModule.h"

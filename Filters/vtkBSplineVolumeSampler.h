@@ -7,14 +7,14 @@
  * spans give n 2^L + 1 samples. Points that blocks share are equal bit for bit, in any relative orientation; the points
  * of level L are contained bit for bit in level L + 1.
  *
- * Input: a B-spline volume, that is a tree of vtkStructuredGrid of control points, or one of them, with the field arrays
- * `Degree`, `KnotsU`, `KnotsV`, `KnotsW` (BSplineVolumeData.h). Any degree from 1 to 8 and any knots.
+ * Input: a B-spline volume, that is a tree of vtkStructuredGrid of control points, or one of them, with the field
+ * arrays `Degree`, `KnotsU`, `KnotsV`, `KnotsW` (BSplineVolumeData.h). Any degree from 1 to 8 and any knots.
  *
  * Output: a vtkPartitionedDataSetCollection with the names of the blocks and a flat assembly, one vtkStructuredGrid in
  * double precision per block. Point data if ComputeDerivatives is on: `dXdU`, `dXdV`, `dXdW` (double, 3 components),
  * the first derivatives with respect to the knots' parameters (with integer knots: per span); where a derivative jumps
- * at a knot, the mean of its two sides. Field data of the collection: `Interfaces`, `Boundaries`, `BoundaryNames` of the
- * input.
+ * at a knot, the mean of its two sides. Field data of the collection: `Interfaces`, `Boundaries`, `BoundaryNames` of
+ * the input.
  *
  * An empty input gives an empty output. A block that is no B-spline volume, or more samples than can be held, is an
  * error that names the block; the output is then empty.

@@ -197,7 +197,8 @@ private:
     const bool swap = text == "TRUE" || text == "T" || text == ".TRUE.";
     if (!swap && text != "FALSE" && text != "F" && text != ".FALSE.")
     {
-      this->fail("the swap flag must be TRUE or FALSE, not '" + text.substr(0, 40) + "'");
+      this->fail("the swap flag must be TRUE or FALSE, not '" +
+        (word < this->Words.size() ? this->Words[word].substr(0, 40) : "") + "'");
     }
     return swap;
   }

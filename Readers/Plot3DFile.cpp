@@ -240,6 +240,10 @@ public:
 
 private:
   static bool isBlank(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
+  static bool isExponent(char c)
+  {
+    return c == 'd' || c == 'D' || c == 'q' || c == 'Q' || c == '+' || c == '-';
+  }
 
   /// The value as it stands in the file, cut to a readable length.
   std::string shown() const
@@ -300,7 +304,7 @@ private:
     const char* begin = this->Value + (*this->Value == '+');
     double value = 0.0;
     auto [end, failure] = std::from_chars(begin, this->ValueEnd, value);
-    if (failure == std::errc() && end != this->ValueEnd && std::strchr("dDqQ+-", *end))
+    if (failure == std::errc() && end != this->ValueEnd && isExponent(*end))
     {
       // Fortran's exponents: d or q for e, or no letter at all.
       std::string text(begin, end);
@@ -542,10 +546,20 @@ std::string layoutName(const Plot3DLayout& layout)
   return text;
 }
 
+/// How far an interpretation of the header got.
+enum Progress
+{
+  Nothing,
+  BlockCount,      ///< the number of blocks could be right
+  Header,          ///< all numbers could be right
+  Marker,          ///< a pair of record markers is right
+  HeaderInMarkers, ///< all numbers could be right and all record markers are
+};
+
 /// Why an interpretation was given up; those that got farthest explain the file best.
 struct Failure
 {
-  int progress = 0;
+  Progress progress = Nothing;
   std::string text;
 };
 
@@ -573,7 +587,7 @@ void checkRecord(InputFile& file, const Plot3DLayout& layout, Index offset, Inde
 /// Reads the points per direction of the blocks for the format, order and multiBlock given.
 /// @param[out] progress how much of the header was believable.
 /// @throws Error with the reason, without the file's name.
-void readHeader(InputFile& file, Plot3DLayout& layout, int& progress)
+void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
 {
   const Index marker = markerSize(layout.format);
   Index offset = 0;
@@ -584,14 +598,14 @@ void readHeader(InputFile& file, Plot3DLayout& layout, int& progress)
       throw Error("the header needs " + number(bytes) + " bytes, the file has " + std::to_string(file.size()));
     }
   };
-  progress = 0;
+  progress = Nothing;
   if (layout.multiBlock)
   {
     require(4 + 2 * marker);
     if (marker != 0)
     {
       checkRecord(file, layout, 0, 4, "number of blocks");
-      progress = 3;
+      progress = Marker;
     }
     blocks = readValue<std::int32_t>(file, marker, layout.byteOrder);
     if (blocks < 1)
@@ -601,15 +615,15 @@ void readHeader(InputFile& file, Plot3DLayout& layout, int& progress)
     offset = 4 + 2 * marker;
   }
   const Index bytes = 12 * Index(blocks);
-  if (bytes < file.size())
+  if (layout.multiBlock && bytes < file.size())
   {
-    progress = std::max(progress, 1);
+    progress = std::max(progress, BlockCount);
   }
   require(offset + bytes + 2 * marker);
   if (marker != 0)
   {
     checkRecord(file, layout, offset, bytes, "points per direction");
-    progress = 3;
+    progress = Marker;
   }
   layout.counts.resize(static_cast<std::size_t>(blocks));
   file.read(offset + marker, layout.counts.data(), bytes);
@@ -625,7 +639,9 @@ void readHeader(InputFile& file, Plot3DLayout& layout, int& progress)
         std::to_string(offset + marker + 12 * static_cast<Index>(b)) + ")");
     }
   }
-  progress = marker != 0 ? 4 : 2;
+  // Without a number of blocks any three positive numbers would do.
+  const bool absurd = !layout.multiBlock && pointCount(layout.counts) > 100 * file.size();
+  progress = marker != 0 ? HeaderInMarkers : absurd ? Nothing : Header;
 }
 
 /// Checks that the blocks fill the file, for a complete layout.
@@ -710,7 +726,7 @@ void forEachBinaryHeader(InputFile& file, const Plot3DOptions& options, const Vi
         layout.format = format;
         layout.byteOrder = order;
         layout.multiBlock = multiBlock;
-        int progress = 0;
+        Progress progress = Nothing;
         try
         {
           readHeader(file, layout, progress);
@@ -730,11 +746,11 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
 {
   std::vector<Plot3DLayout> fitting;
   std::vector<Failure> failures;
-  const auto fail = [&](const Plot3DLayout& layout, int progress, const std::string& text) {
+  const auto fail = [&](const Plot3DLayout& layout, Progress progress, const std::string& text) {
     failures.push_back({ progress, layoutName(layout) + (layout.multiBlock ? "" : ", without a number of blocks") +
         ": " + text });
   };
-  forEachBinaryHeader(file, options, [&](Plot3DLayout& layout, int progress, const Error* error) {
+  forEachBinaryHeader(file, options, [&](Plot3DLayout& layout, Progress progress, const Error* error) {
     if (error)
     {
       fail(layout, progress, error->what());
@@ -762,27 +778,37 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
     fail(layout, progress, describe(layout.counts) + ": " + reasons);
   });
 
+  int farthest = Nothing;
+  for (const Failure& failure : failures)
+  {
+    farthest = std::max<int>(farthest, failure.progress);
+  }
+  if (options.format == Plot3DFormat::Automatic && farthest >= Marker)
+  {
+    // Record markers are hardly a coincidence, a size that fits may be one.
+    fitting.erase(std::remove_if(fitting.begin(), fitting.end(),
+                    [&](const Plot3DLayout& layout) {
+                      return layout.format == Plot3DFormat::Binary &&
+                        (farthest == HeaderInMarkers || !believable(file, layout));
+                    }),
+      fitting.end());
+  }
   if (!fitting.empty())
   {
     const auto best = std::find_if(fitting.begin(), fitting.end(),
       [&](const Plot3DLayout& layout) { return fitting.size() == 1 || believable(file, layout); });
     return best != fitting.end() ? *best : fitting.front();
   }
-  int farthest = 0;
-  for (const Failure& failure : failures)
-  {
-    farthest = std::max(farthest, failure.progress);
-  }
   std::string text = file.name() + ": no PLOT3D layout explains the file of " + std::to_string(file.size()) +
     " bytes. Tried were all combinations of format, byte order, precision and iblank that the properties leave open. ";
-  if (farthest == 0)
+  if (farthest == Nothing)
   {
     throw Error(text + "In none of them does the header make sense; the first 8 bytes are " + hexadecimal(file));
   }
   text += "The best explanations failed so:";
   for (const Failure& failure : failures)
   {
-    text += failure.progress >= farthest - 1 && failure.progress > 0 ? " [" + failure.text + "]" : "";
+    text += failure.progress >= (farthest >= Marker ? Marker : BlockCount) ? " [" + failure.text + "]" : "";
   }
   throw Error(text);
 }
@@ -898,8 +924,8 @@ bool looksLikePlot3D(const std::string& fileName)
       return false;
     }
     bool found = false;
-    forEachBinaryHeader(file, {}, [&](const Plot3DLayout& layout, int progress, const Error*) {
-      found = found || progress >= 3 || (progress == 2 && pointCount(layout.counts) <= file.size() / 3);
+    forEachBinaryHeader(file, {}, [&](const Plot3DLayout& layout, Progress progress, const Error*) {
+      found = found || progress >= Marker || (progress == Header && pointCount(layout.counts) <= file.size() / 3);
     });
     return found;
   }

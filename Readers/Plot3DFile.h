@@ -76,8 +76,8 @@ struct Plot3DLayout : Plot3DOptions
 };
 
 /// Finds the layout: the one that explains the size of the file to the byte (ASCII: to the number), looked for in the
-/// order of the enumerators above, several blocks before one. Should several explain it, the first one whose
-/// coordinates are of believable size is taken.
+/// order of the enumerators above, several blocks before one. A header within record markers rules raw binary out.
+/// Should several explain the file, the first one whose coordinates are of believable size is taken.
 /// @throws Error if none does: the text names the file, what was tried and where that failed.
 Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options = {});
 

@@ -21,8 +21,8 @@
  * Point data: `IBlank` (int) if a PLOT3D file has it.
  *
  * Whatever is wrong with a file ends in one error that names file, block, line or offset and value, sets the error code
- * and leaves the output empty. Sizes are checked against the file before memory is allocated. With several ranks the
- * mesh is on rank 0.
+ * and leaves the output empty. Sizes are checked against the file before memory is allocated. With several ranks
+ * every rank holds the whole mesh.
  *
  * Sources: PLOT3D User's Manual, NASA TM-101067 (1990); W. T. Jones, The Neutral Map File, NASA Langley GEOLAB; CGNS
  * Standard Interface Data Structures, https://cgns.github.io. Not read: two-dimensional and whole-plane PLOT3D files,

@@ -73,7 +73,7 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
     for (std::size_t b = 0; b < all.blocks.size(); ++b)
     {
       bsv::setDegreeAndKnots(grids[b], all.blocks[b].volume);
-      names.push_back(all.blocks[b].name);
+      names.push_back(all.blocks[b].name.empty() ? "block " + std::to_string(b) : all.blocks[b].name);
     }
     std::vector<bsv::Interface> interfaces;
     for (const bsv::QuadflowInterface& entry : all.interfaces)

@@ -5,16 +5,16 @@
  *
  * Reads the dialect that Writers/quadflow_format.md describes, from one file or from a topology file and the geometry
  * file that it names, and makes all its self-checks: every block face in exactly one interface or boundary, both sides
- * of an interface equal bit for bit, all ids, counts, classes and orientations consistent. Whatever is wrong ends in one
- * error that names file, line, block and face, sets the error code and leaves the output empty. Counts are compared
+ * of an interface equal bit for bit, all ids, counts, classes and orientations consistent. Whatever is wrong ends in
+ * one error that names file, line, block and face, sets the error code and leaves the output empty. Counts are compared
  * with the size of the file before memory is allocated.
  *
  * Output: a vtkPartitionedDataSetCollection with the names of the blocks and a flat assembly, one vtkStructuredGrid of
- * control points in double precision per block with the field data `Degree`, `KnotsU`, `KnotsV`, `KnotsW`; field data of
- * the collection: `Interfaces`, `Boundaries`, `BoundaryNames` (BSplineVolumeData.h). Points, knots, names, interfaces and
- * boundaries are those that were written, bit for bit.
+ * control points in double precision per block with the field data `Degree`, `KnotsU`, `KnotsV`, `KnotsW`; field data
+ * of the collection: `Interfaces`, `Boundaries`, `BoundaryNames` (BSplineVolumeData.h). Points, knots, names,
+ * interfaces and boundaries are those that were written, bit for bit.
  *
- * With several ranks the volume is on rank 0.
+ * With several ranks every rank holds the whole volume.
  */
 #ifndef vtkQuadflowReader_h
 #define vtkQuadflowReader_h

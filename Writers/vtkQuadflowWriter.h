@@ -8,8 +8,8 @@
  * solver's own file was available, and compatibility with it is not claimed. Numbers are the shortest that read back to
  * the same double; vtkQuadflowReader gives back the same bits.
  *
- * Input: a B-spline volume with clamped knots (BSplineVolumeData.h): blocks with `Degree`, `KnotsU`, `KnotsV`, `KnotsW`,
- * optionally `ControlPointRule`, which tells crease and planar edges, and the root's field data `Interfaces`,
+ * Input: a B-spline volume with clamped knots (BSplineVolumeData.h): blocks with `Degree`, `KnotsU`, `KnotsV`,
+ * `KnotsW`, optionally `ControlPointRule`, which tells crease and planar edges, and the root's field data `Interfaces`,
  * `Boundaries`, `BoundaryNames`. Without `Interfaces`, faces whose control points are equal bit for bit are the
  * interfaces.
  *

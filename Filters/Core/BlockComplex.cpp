@@ -398,10 +398,14 @@ private:
       {
         ComplexEdge& edge = this->Result.edges[block.edges[faceEdge(use.face, axis, side)]];
         edge.boundary = true;
-        // All mesh edges along a block edge are creases, or none is.
-        const int s = axis == 1 && side ? last[0] : 0;
-        const int t = axis == 0 && side ? last[1] : 0;
-        edge.crease = edge.crease || this->Creases(this->Surface.quad(this->quadOf(use, s, t)), axis, side);
+        // Of an edge with other cells around it all mesh edges are creases, or none is; else any makes it one.
+        const int across = side ? last[1 - axis] : 0;
+        for (int along = 0; along <= last[axis] && !edge.crease; ++along)
+        {
+          const QuadAt at =
+            axis == 0 ? this->quadOf(use, along, across) : this->quadOf(use, across, along);
+          edge.crease = this->Creases(this->Surface.quad(at), axis, side);
+        }
       }
     }
   }

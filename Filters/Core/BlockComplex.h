@@ -131,7 +131,8 @@ struct BlockComplex
 ///
 /// @throws Error for non-finite points, zero cells, contacts that do not match, ambiguous or non-matching contacts,
 /// collapsed faces or cells (unless allowed), semi-sharp creases.
-BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions& options = {}, const Execution& run = {});
+BlockComplex buildBlockComplex(
+  const BlockMesh& mesh, const BlockComplexOptions& options = {}, const Execution& run = {});
 
 
 /// Interior vertices at which extraordinary edges end or meet, ascending: all with extraordinary edges but those that

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file BlockSurface.h
-/// The surfaces of the blocks as quadrilaterals: their numbering, what each of them meets, and steps around a mesh edge.
+/// The surfaces of the blocks as quadrilaterals: their numbering, what each of them meets, and steps around a mesh
+/// edge.
 #pragma once
 
 #include "BlockMesh.h"

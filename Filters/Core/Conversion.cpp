@@ -62,6 +62,9 @@ private:
   /// Control points of layer k, before the rule along the edge.
   Fan controlFan(int edge, const EdgeFan& fan, int k) const;
   std::vector<double> nearWeights(const EdgeFan& fan) const;
+  /// How far the faces behind the spokes keep their points in layer k.
+  std::vector<SpokeKeep> spokeKeeps(const EdgeFan& fan, int k) const;
+  double keepAt(int block, int face, const Ijk& point) const;
   ///@}
 
   /// @name Vertex by vertex
@@ -70,10 +73,12 @@ private:
   Star makeStar(int vertex) const;
   /// The outer surface around a boundary vertex: centre, inserted points on boundary edges and faces.
   void convertSurface(Star& star) const;
-  Fan smoothSurfaceFan(const Star& star, const Fan& fan, const std::vector<double>& weights, bool body) const;
+  Fan smoothSurfaceFan(const Star& star, const Fan& fan, const std::vector<double>& weights,
+    const std::vector<SpokeKeep>& keeps, bool body) const;
   bool convertRegular(Star& star) const;
   /// Blocks in two stacks (or one, at the boundary) around an axis: the rule across the layers after the rule in them.
   bool convertStacked(Star& star) const;
+  bool areStacked(const Star& star, int up, int down) const;
   void convertAnchored(Star& star) const;
   Fan starLayer(const Star& star, int starEdge, int k) const;
   ///@}
@@ -127,6 +132,12 @@ struct Converter::Star : VertexStar
   /// The two star edges of a crease through the vertex, or -1.
   std::array<int, 2> crease{ -1, -1 };
 
+  /// Star faces that keep points near the vertex (FaceRule::keep).
+  std::vector<bool> keptFaces;
+  /// The same at the face's point.
+  std::vector<double> diagonalKeep;
+
+  bool keepsPoints() const { return std::find(this->keptFaces.begin(), this->keptFaces.end(), true) != this->keptFaces.end(); }
   bool blockHas(int block, int edge) const
   {
     const auto& e = this->blocks[block].edges;
@@ -224,8 +235,11 @@ void Converter::convertFace(int face)
       }
       const std::array<int, 2> st = mapFacePoint(shared.orientation, s, t, ns, nt);
       const Vec3 across = sides[1].owner->points(sides[1].mesh(st[0], st[1], 1));
-      const Vec3 middle = faceRule.planar() ? own : smoothMask(inner, own, across);
-      const ControlPointRule rule = faceRule.planar() ? ControlPointRule::PlanarSide : ControlPointRule::Regular;
+      const double keep = faceRule.keep.empty() ? 0.0 : faceRule.keep[s + std::size_t(ns + 1) * t];
+      const Vec3 middle = faceRule.planar() ? own : fadedMask(inner, own, across, keep);
+      const ControlPointRule rule = faceRule.planar() ? ControlPointRule::PlanarSide
+        : keep > 0.0                                  ? ControlPointRule::Crease
+                                                      : ControlPointRule::Regular;
       this->write(sides[0].block, sides[0].net(s, t, 0), middle, rule);
       this->write(sides[1].block, sides[1].net(st[0], st[1], 0), middle, rule);
       this->write(
@@ -275,13 +289,36 @@ std::vector<double> Converter::nearWeights(const EdgeFan& fan) const
   return weights;
 }
 
+double Converter::keepAt(int block, int face, const Ijk& point) const
+{
+  const std::vector<double>& keep = this->Rules.faces[this->Complex.blocks[block].faces[face]].keep;
+  return keep.empty()
+    ? 0.0
+    : keep[keepIndex(this->Complex, block, face, point[faceAxis(face, 0)], point[faceAxis(face, 1)])];
+}
+
+std::vector<SpokeKeep> Converter::spokeKeeps(const EdgeFan& fan, int k) const
+{
+  std::vector<SpokeKeep> keeps(fan.spokeCount());
+  for (int i = 0; i < fan.spokeCount(); ++i)
+  {
+    const auto [sector, which] = fan.spoke(i);
+    const ComplexBlock& owner = this->Complex.blocks[sector->block];
+    const int face = sector->spokeFace(which);
+    keeps[i].center = this->keepAt(sector->block, face, sector->point(owner, k, 0, 0));
+    keeps[i].step = this->keepAt(sector->block, face, sector->point(owner, k, which == 0 ? 1 : 0, which == 0 ? 0 : 1));
+  }
+  return keeps;
+}
+
 Fan Converter::controlFan(int edge, const EdgeFan& fan, int k) const
 {
   const Fan points = this->meshFan(fan, k);
   const std::vector<double> weights = this->nearWeights(fan);
+  const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
   if (!this->Rules.edges[edge].anchored)
   {
-    return smoothFan(points, this->Options.twist, weights);
+    return fadedFan(points, this->Options.twist, weights, keeps);
   }
   std::vector<Vec3> along = points.spokes;
   const int sectors = points.sectorCount();
@@ -290,7 +327,8 @@ Fan Converter::controlFan(int edge, const EdgeFan& fan, int k) const
     const int face = fan.faceOf(this->Complex, i);
     if (!this->Complex.faces[face].boundary() && !this->Rules.faces[face].planar())
     {
-      along[i] = smoothMask(points.sectors[(i + sectors - 1) % sectors], points.spokes[i], points.sectors[i % sectors]);
+      along[i] = fadedMask(
+        points.sectors[(i + sectors - 1) % sectors], points.spokes[i], points.sectors[i % sectors], keeps[i].step);
     }
   }
   return anchoredFan(points, points.center, along, weights);
@@ -311,6 +349,11 @@ void Converter::convertEdge(int edge)
     for (int k = 1; k < shared.cells; ++k)
     {
       const Fan values = this->controlFan(edge, fan, k);
+      const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
+      const bool keepsAny = std::any_of(keeps.begin(), keeps.end(), [](const SpokeKeep& keep) { return keep.any(); });
+      const auto spokeRule = [&](int i) {
+        return keeps[i].any() ? ControlPointRule::Crease : ruleOf(weights[i], KnotInsertion);
+      };
       for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
       {
         const FanSector& sector = fan.sectors[i];
@@ -323,9 +366,9 @@ void Converter::convertEdge(int edge)
           ijk[sector.second] = endPosition(sector.side(sector.second), b, owner.cells(sector.second));
           this->write(sector.block, ijk, point, rule);
         };
-        put(0, 0, values.center, edgeRule.rule);
-        put(1, 0, values.spokes[i], ruleOf(weights[i], KnotInsertion));
-        put(0, 1, values.spokes[next], ruleOf(weights[next], KnotInsertion));
+        put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
+        put(1, 0, values.spokes[i], spokeRule(i));
+        put(0, 1, values.spokes[next], spokeRule(next));
         put(1, 1, values.sectors[i], ruleOf(weights[i], weights[next]));
       }
     }
@@ -357,6 +400,31 @@ Converter::Star Converter::makeStar(int vertex) const
       if (this->isWall(star.faces[block.faces[d]].face))
       {
         star.near[block.edges[d]] = this->Options.wallSpacing;
+      }
+    }
+  }
+  star.keptFaces.assign(star.faces.size(), false);
+  star.diagonalKeep.assign(star.faces.size(), 0.0);
+  for (const VertexStar::Block& block : star.blocks)
+  {
+    const ComplexBlock& owner = this->Complex.blocks[block.block];
+    for (int d = 0; d < 3; ++d)
+    {
+      const int face = 2 * d + cornerSide(block.corner, d);
+      for (int steps = 0; steps < 8; ++steps)
+      {
+        Ijk point;
+        for (int axis = 0; axis < 3; ++axis)
+        {
+          const int step = axis == d ? 0 : steps >> axis & 1;
+          point[axis] = cornerSide(block.corner, axis) ? owner.cells(axis) - step : step;
+        }
+        const double keep = this->keepAt(block.block, face, point);
+        star.keptFaces[block.faces[d]] = star.keptFaces[block.faces[d]] || keep > 0.0;
+        if ((steps | 1 << d) == 7)
+        {
+          star.diagonalKeep[block.faces[d]] = keep;
+        }
       }
     }
   }
@@ -393,8 +461,8 @@ Fan Converter::starLayer(const Star& star, int starEdge, int k) const
   return this->controlFan(edge.edge, *star.info[starEdge].fan, edge.end == 0 ? k : cells - k);
 }
 
-Fan Converter::smoothSurfaceFan(
-  const Star& star, const Fan& fan, const std::vector<double>& weights, bool body) const
+Fan Converter::smoothSurfaceFan(const Star& star, const Fan& fan, const std::vector<double>& weights,
+  const std::vector<SpokeKeep>& keeps, bool body) const
 {
   if (body && fan.sectorCount() != 4)
   {
@@ -439,7 +507,7 @@ Fan Converter::smoothSurfaceFan(
         fan, projection, hasNormal ? Vec3(normal.normalized()) : limitNormal(fan), this->Options.twist);
     }
   }
-  return smoothFan(fan, this->Options.twist, weights);
+  return fadedFan(fan, this->Options.twist, weights, keeps);
 }
 
 void Converter::convertSurface(Star& star) const
@@ -512,117 +580,79 @@ void Converter::convertSurface(Star& star) const
   fan.center = star.point;
   std::vector<double> weights;
   std::vector<int> features;
-  int planarSectors = 0;
+  std::vector<bool> kept, planar;
+  std::vector<SpokeKeep> keeps;
   bool body = true;
   for (int i = 0; i < n; ++i)
   {
     fan.spokes.push_back(star.edges[spokes[i]].point);
     fan.sectors.push_back(star.faces[sectors[i]].point);
     weights.push_back(star.near[spokes[i]]);
-    if (this->Rules.edges[star.edges[spokes[i]].edge].feature)
+    const VertexStar::Edge& edge = star.edges[spokes[i]];
+    const EdgeRule& edgeRule = this->Rules.edges[edge.edge];
+    if (edgeRule.feature)
     {
       features.push_back(i);
     }
-    planarSectors += this->Rules.faces[star.faces[sectors[i]].face].planar() ? 1 : 0;
+    kept.push_back(edgeRule.anchored);
+    planar.push_back(this->Rules.faces[star.faces[sectors[i]].face].planar());
+    // A face that rises from a crease and ends in this surface.
+    keeps.emplace_back();
+    const EdgeFan& edgeFan = edgeRule.fans.front();
+    if (edgeRule.fans.size() == 1 && edgeFan.sectors.size() == 2)
+    {
+      const int cells = this->Complex.edges[edge.edge].cells;
+      keeps.back().center = this->spokeKeeps(edgeFan, edge.end == 0 ? 0 : cells)[1].center;
+      keeps.back().step = this->spokeKeeps(edgeFan, edge.end == 0 ? 1 : cells - 1)[1].center;
+    }
     body = body && this->isWall(star.faces[sectors[i]].face);
   }
-  const auto keepsPoints = [&](int spoke) { return this->Rules.edges[star.edges[spokes[spoke]].edge].anchored; };
 
   Fan result = fan;
-  std::vector<ControlPointRule> spokeRules(n), sectorRules(n);
-  const ControlPointRule surfaceRule = this->Rules.boundaryRule(star.faces[sectors[0]].face);
-  // Interpolation between kept points and the regular values on the borders one step down the spokes.
-  const auto anchoredGroup = [&](const Fan& group, const Vec3& center, int first, const std::vector<double>& near) {
-    std::vector<Vec3> along = group.spokes;
-    const int count = group.sectorCount();
-    for (int i = 0; i < group.spokeCount(); ++i)
-    {
-      const bool border = !group.closed && (i == 0 || i == count);
-      if (!border && !keepsPoints((first + i) % n))
-      {
-        along[i] = smoothMask(group.sectors[(i + count - 1) % count], group.spokes[i], group.sectors[i % count]);
-      }
-    }
-    return anchoredFan(group, center, along, near);
-  };
-
-  if (planarSectors == n)
+  if (planar == std::vector<bool>(n, true))
   {
     star.rule = ControlPointRule::PlanarSide;
-    result = anchoredGroup(fan, fan.center, 0, weights);
-    spokeRules.assign(n, star.rule);
-    sectorRules.assign(n, star.rule);
+    result = creasedFan(fan, {}, kept, planar, this->Options.twist, weights, keeps).points;
   }
   else if (features.size() < 2 && n >= 3)
   {
     // No feature, or one that ends here (a dart): smooth.
     star.surfaceIsSmooth = features.empty();
-    result = this->smoothSurfaceFan(star, fan, weights, body);
-    star.rule = n == 4 ? surfaceRule
+    result = this->smoothSurfaceFan(star, fan, weights, keeps, body);
+    star.rule = n == 4 ? this->Rules.boundaryRule(star.faces[sectors[0]].face)
       : body           ? ControlPointRule::BodyExtraordinaryVertex
                        : ControlPointRule::Boundary;
-    spokeRules.assign(n, star.rule);
-    sectorRules.assign(n, star.rule);
   }
   else
   {
-    // Features cut the surface into groups of sectors.
-    const int cuts = static_cast<int>(features.size());
-    bool crease = cuts == 2;
-    for (int c = 0; c < cuts && crease; ++c)
-    {
-      const int size = (features[(c + 1) % cuts] - features[c] + n) % n;
-      crease = size != 1;
-    }
-    if (crease)
+    const CreasedFan creased = creasedFan(fan, features, kept, planar, this->Options.twist, weights, keeps);
+    result = creased.points;
+    star.rule = creased.crease ? ControlPointRule::Crease : ControlPointRule::Corner;
+    if (creased.crease)
     {
       star.crease = { spokes[features[0]], spokes[features[1]] };
-      star.center = smoothMask(fan.spokes[features[0]], fan.center, fan.spokes[features[1]]);
     }
-    star.rule = crease ? ControlPointRule::Crease : ControlPointRule::Corner;
-    result.center = star.center;
-    for (int c = 0; c < cuts || (cuts == 0 && c == 0); ++c)
+  }
+  const bool crease = star.rule == ControlPointRule::Crease;
+  const auto isFeature = [&](int i) { return std::find(features.begin(), features.end(), i) != features.end(); };
+  std::vector<ControlPointRule> spokeRules(n, star.rule), sectorRules(n, star.rule);
+  for (int i = 0; i < n; ++i)
+  {
+    if (planar[i])
     {
-      const int first = cuts > 0 ? features[c] : 0;
-      const int size = cuts > 1 ? (features[(c + 1) % cuts] - first + n) % n : n;
-      Fan group;
-      group.closed = cuts < 2;
-      group.center = fan.center;
-      std::vector<double> near;
-      bool planar = false;
-      for (int i = 0; i < size; ++i)
-      {
-        const int at = (first + i) % n;
-        group.spokes.push_back(fan.spokes[at]);
-        group.sectors.push_back(fan.sectors[at]);
-        near.push_back(weights[at]);
-        planar = planar || this->Rules.faces[star.faces[sectors[at]].face].planar();
-      }
-      if (!group.closed)
-      {
-        group.spokes.push_back(fan.spokes[(first + size) % n]);
-        near.push_back(weights[(first + size) % n]);
-      }
-      const bool smooth = crease && !planar;
-      const Fan values = smooth ? smoothFan(group, this->Options.twist, near)
-                                : anchoredGroup(group, star.center, first, near);
-      for (int i = 0; i < group.spokeCount(); ++i)
-      {
-        const int at = (first + i) % n;
-        const bool feature = cuts >= 2 && (i == 0 || i == size);
-        // Both groups at a feature see the same one-dimensional rule.
-        result.spokes[at] = feature ? insertMask(fan.center, fan.spokes[at], weights[at]) : values.spokes[i];
-        spokeRules[at] = feature ? (crease ? ControlPointRule::Crease : ControlPointRule::Corner)
-                                 : (smooth ? this->Rules.boundaryRule(star.faces[sectors[at]].face) : star.rule);
-      }
-      for (int i = 0; i < size; ++i)
-      {
-        const int at = (first + i) % n;
-        result.sectors[at] = values.sectors[i];
-        sectorRules[at] = smooth ? this->Rules.boundaryRule(star.faces[sectors[at]].face)
-          : planar               ? ControlPointRule::PlanarSide
-                                 : star.rule;
-      }
+      sectorRules[i] = ControlPointRule::PlanarSide;
+    }
+    else if (crease)
+    {
+      sectorRules[i] = this->Rules.boundaryRule(star.faces[sectors[i]].face);
+    }
+    if (!isFeature(i) && crease)
+    {
+      spokeRules[i] = sectorRules[i];
+    }
+    if (keeps[i].any() && features.empty())
+    {
+      spokeRules[i] = star.rule = ControlPointRule::Crease;
     }
   }
 
@@ -639,7 +669,7 @@ void Converter::convertSurface(Star& star) const
 bool Converter::convertRegular(Star& star) const
 {
   const int edges = static_cast<int>(star.edges.size());
-  if (edges != 6 || star.blocks.size() != 8 || star.faces.size() != 12)
+  if (edges != 6 || star.blocks.size() != 8 || star.faces.size() != 12 || star.keepsPoints())
   {
     return false;
   }
@@ -737,6 +767,42 @@ bool Converter::convertRegular(Star& star) const
   return true;
 }
 
+bool Converter::areStacked(const Star& star, int up, int down) const
+{
+  const EdgeRule& upRule = this->Rules.edges[star.edges[up].edge];
+  const EdgeRule& downRule = this->Rules.edges[star.edges[down].edge];
+  const Star::EdgeInfo& a = star.info[up];
+  const Star::EdgeInfo& b = star.info[down];
+  if (star.faceBetween(up, down) >= 0 || !a.whole || !b.whole || a.spokes.size() != b.spokes.size() ||
+    a.sectors.size() + b.sectors.size() != star.blocks.size() || a.fan->closed != b.fan->closed ||
+    upRule.anchored != downRule.anchored || upRule.rule != downRule.rule)
+  {
+    return false;
+  }
+  for (const int spoke : a.spokes)
+  {
+    if (std::find(b.spokes.begin(), b.spokes.end(), spoke) == b.spokes.end())
+    {
+      return false;
+    }
+  }
+  for (std::size_t i = 0; i < a.sectors.size(); ++i)
+  {
+    // The face between the stacks: the mask across the layers must not be one that keeps points.
+    const int ring = star.blocks[a.sectors[i]].faces[a.fan->sectors[i].along];
+    const auto& pair = star.faces[ring].blocks;
+    const int across = pair[0] == a.sectors[i] ? pair[1] : pair[0];
+    if (star.keptFaces[ring] || std::find(b.sectors.begin(), b.sectors.end(), across) == b.sectors.end())
+    {
+      return false;
+    }
+  }
+  // On the boundary the outer surface must agree: it is smooth, or its crease is the axis.
+  const bool isCrease =
+    (star.crease[0] == up && star.crease[1] == down) || (star.crease[0] == down && star.crease[1] == up);
+  return !star.boundary || (upRule.feature ? isCrease : star.surfaceIsSmooth);
+}
+
 bool Converter::convertStacked(Star& star) const
 {
   const int edges = static_cast<int>(star.edges.size());
@@ -754,44 +820,22 @@ bool Converter::convertStacked(Star& star) const
       up = e;
     }
   }
-  // Otherwise two stacks of the same blocks around two edges without a common face, of the same kind.
-  for (int e = 0; e < edges && up < 0; ++e)
+  // Otherwise two stacks of the same blocks around two edges without a common face, of the same kind. Where several
+  // axes will do, the one with the smallest point is taken, whatever the numbering.
+  const auto before = [&](int a, int b) {
+    const Vec3& p = star.edges[a].point;
+    const Vec3& q = star.edges[b].point;
+    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+  };
+  const bool single = up >= 0;
+  for (int e = 0; e < edges && !single; ++e)
   {
     for (int other = 0; other < edges; ++other)
     {
-      const Star::EdgeInfo& a = star.info[e];
-      const Star::EdgeInfo& b = star.info[other];
-      if (other == e || star.faceBetween(e, other) >= 0 || !a.whole || !b.whole ||
-        a.sectors.size() + b.sectors.size() != static_cast<std::size_t>(blocks) || a.fan->closed != b.fan->closed ||
-        edgeRule(e).anchored != edgeRule(other).anchored || edgeRule(e).rule != edgeRule(other).rule)
-      {
-        continue;
-      }
-      bool disjoint = true;
-      for (int block = 0; block < blocks; ++block)
-      {
-        disjoint = disjoint && star.blockHas(block, e) != star.blockHas(block, other);
-      }
-      bool sameRing = a.spokes.size() == b.spokes.size();
-      for (const int spoke : a.spokes)
-      {
-        sameRing = sameRing && std::find(b.spokes.begin(), b.spokes.end(), spoke) != b.spokes.end();
-      }
-      for (std::size_t i = 0; i < a.sectors.size() && sameRing; ++i)
-      {
-        const auto& pair = star.faces[star.blocks[a.sectors[i]].faces[a.fan->sectors[i].along]].blocks;
-        const int across = pair[0] == a.sectors[i] ? pair[1] : pair[0];
-        sameRing = std::find(b.sectors.begin(), b.sectors.end(), across) != b.sectors.end();
-      }
-      // On the boundary the outer surface must agree: it is smooth, or its crease is the axis.
-      const bool agrees = !star.boundary || (star.surfaceIsSmooth && !edgeRule(e).feature) ||
-        (edgeRule(e).feature &&
-          ((star.crease[0] == e && star.crease[1] == other) || (star.crease[0] == other && star.crease[1] == e)));
-      if (disjoint && sameRing && agrees)
+      if (other != e && (up < 0 || before(e, up)) && this->areStacked(star, e, other))
       {
         up = e;
         down = other;
-        break;
       }
     }
   }
@@ -944,7 +988,7 @@ void Converter::convertAnchored(Star& star) const
     const VertexStar::Face& face = star.faces[f];
     diagonal[f] = face.boundary || this->Rules.faces[face.face].planar()
       ? face.point
-      : smoothMask(star.blocks[face.blocks[0]].point, face.point, star.blocks[face.blocks[1]].point);
+      : fadedMask(star.blocks[face.blocks[0]].point, face.point, star.blocks[face.blocks[1]].point, star.diagonalKeep[f]);
     if (!face.boundary)
     {
       const Vec3 corners[4] = { star.center, along[face.edges[0]], along[face.edges[1]], diagonal[f] };
@@ -956,8 +1000,16 @@ void Converter::convertAnchored(Star& star) const
   for (std::size_t b = 0; b < star.blocks.size(); ++b)
   {
     const VertexStar::Block& block = star.blocks[b];
-    const Vec3 corners[8] = { star.center, along[block.edges[0]], along[block.edges[1]], diagonal[block.faces[2]],
-      along[block.edges[2]], diagonal[block.faces[1]], diagonal[block.faces[0]], block.point };
+    Vec3 corners[8] = { star.point, star.edges[block.edges[0]].point, star.edges[block.edges[1]].point,
+      star.faces[block.faces[2]].point, star.edges[block.edges[2]].point, star.faces[block.faces[1]].point,
+      star.faces[block.faces[0]].point, block.point };
+    if (star.rule == ControlPointRule::SingularNode)
+    {
+      // The centre has moved: interpolate between what lies around it.
+      const Vec3 moved[7] = { star.center, along[block.edges[0]], along[block.edges[1]], diagonal[block.faces[2]],
+        along[block.edges[2]], diagonal[block.faces[1]], diagonal[block.faces[0]] };
+      std::copy_n(moved, 7, corners);
+    }
     const double weights[3] = { star.near[block.edges[0]], star.near[block.edges[1]], star.near[block.edges[2]] };
     star.blockPoints[b] = multilinear(corners, weights, 3);
     star.blockRules[b] = inner;
@@ -993,6 +1045,19 @@ void Converter::convertVertex(int vertex)
       ++this->SingularNodes;
     }
     this->convertAnchored(star);
+  }
+
+  for (std::size_t f = 0; f < star.faces.size(); ++f)
+  {
+    if (star.keptFaces[f])
+    {
+      star.faceRules[f] = ControlPointRule::Crease;
+      for (const int edge : star.faces[f].edges)
+      {
+        star.edgeRules[edge] = star.edges[edge].boundary ? star.edgeRules[edge] : ControlPointRule::Crease;
+      }
+      star.rule = star.boundary ? star.rule : ControlPointRule::Crease;
+    }
   }
 
   for (std::size_t b = 0; b < star.blocks.size(); ++b)
@@ -1116,6 +1181,10 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
   if (!(options.planarTolerance >= 0.0))
   {
     throw Error("planar tolerance must not be negative; it is " + std::to_string(options.planarTolerance));
+  }
+  if (!(options.propagationRange >= 0.0))
+  {
+    throw Error("propagation range must not be negative; it is " + std::to_string(options.propagationRange));
   }
   if (nets.size() != complex.blocks.size())
   {

@@ -23,7 +23,7 @@ enum class ControlPointRule : std::uint8_t
   PlanarSide,              ///< unchanged points of a planar side, or inserted between them
   Body,                    ///< regular point of the body surface
   BodyExtraordinaryVertex, ///< at a body vertex where other than four patches meet (5.38)-(5.41)
-  Crease,                  ///< one-dimensional rule along a crease or a sharp boundary curve
+  Crease,                  ///< one-dimensional rule along a crease or a sharp boundary curve, and fading above it
   Corner,                  ///< unchanged corner, or inserted next to one
   ExtraordinaryEdge,       ///< layer rule at an interior edge of valence other than four (3.31), (5.42), (5.43)
   SingularNode,            ///< at an interior vertex where the layer is not unique
@@ -70,6 +70,9 @@ struct ConversionOptions
   BodyTwist twist = BodyTwist::SecondFundamentalForm;
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
   double wallSpacing = 2.0 / 3.0;
+  /// How far creases of the outer surface reach into the volume, as a multiple of the depth by which the smooth rule would
+  /// round them (CreaseColumns.h); at least 0, 0 is off.
+  double propagationRange = 8.0;
   /// Per block of the mesh (not of the complex): given projection point and unit normal of every mesh point, three
   /// doubles each, i fastest, or null. NaN marks points without a value. Used at extraordinary body vertices only.
   std::vector<const double*> projectedPoints;

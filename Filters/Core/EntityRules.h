@@ -16,6 +16,9 @@ struct FaceRule
   BoundaryRole role = BoundaryRole::Other;
   /// The planar side that this face belongs to, whose points are kept (ConversionOptions::planarSides), or -1.
   int planarSide = -1;
+  /// Of an inner face that rises from a crease: how far its mesh points are kept as they are, from 0 (the smooth mask
+  /// across the face) to 1; one value per point, in the axes of the face's first use, s fastest. Empty: smooth.
+  std::vector<double> keep;
 
   bool planar() const { return this->planarSide >= 0; }
 };
@@ -43,6 +46,9 @@ struct EntityRules
   /// Rule of the points of a boundary face.
   ControlPointRule boundaryRule(int face) const;
 };
+
+/// Place of mesh point (s, t) of a block's face in FaceRule::keep.
+std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, int t);
 
 EntityRules classify(const BlockComplex& complex, const ConversionOptions& options, const Execution& run);
 

@@ -188,12 +188,6 @@ private:
     return this->Mesh.blocks[block].points(this->Surface.pointAt(block, point));
   }
 
-  double toleranceOf(Index point) const
-  {
-    const int block = this->Surface.blockOfPoint(point);
-    return this->tolerance(block, this->Surface.pointAt(block, point));
-  }
-
   Vec3 corner(const QuadAt& at, int cs, int ct) const
   {
     return this->Mesh.blocks[at.block].points(this->Surface.corner(at, cs, ct));
@@ -201,7 +195,8 @@ private:
 
   Vec3 center(const QuadAt& at) const
   {
-    return 0.25 * ((this->corner(at, 0, 0) + this->corner(at, 1, 1)) + (this->corner(at, 1, 0) + this->corner(at, 0, 1)));
+    return 0.25 *
+      ((this->corner(at, 0, 0) + this->corner(at, 1, 1)) + (this->corner(at, 1, 0) + this->corner(at, 0, 1)));
   }
 
   std::string where(const QuadAt& at) const
@@ -390,7 +385,8 @@ private:
       {
         hash += hashOf(this->faceCornerPoint(face, c & 1, c >> 1));
       }
-      const Index other = first.insert(mix(0, hash), face, [&](Index a) { return this->faceOrientation(a, face) >= 0; });
+      const Index other =
+        first.insert(mix(0, hash), face, [&](Index a) { return this->faceOrientation(a, face) >= 0; });
       if (other == face)
       {
         continue;
@@ -812,8 +808,7 @@ private:
         const QuadAt at = this->Surface.quadAt(single[n]);
         const Vec3 x = this->center(at);
         const auto visit = [&](Index m) {
-          // Opposite within 25 degrees.
-          if (normal[m].dot(normal[n]) < -0.9 && (cover[n] < 0 || single[m] < cover[n]) &&
+          if (facing(normal[m], normal[n]) && (cover[n] < 0 || single[m] < cover[n]) &&
             this->covers(
               this->Surface.quadAt(single[m], at.block), normal[m], x, std::min(tolerance[n], tolerance[m])))
           {
@@ -831,6 +826,7 @@ private:
         [&](Index begin, Index end) { search(start + begin, start + end); });
       this->Run.report(0.8 + 0.2 * start / count);
     }
+    this->coverByCorners(single, normal, cover);
     Index first = -1;
     Index covered = 0;
     for (Index n = count - 1; n >= 0; --n)
@@ -850,6 +846,50 @@ private:
         std::to_string(covered) + " such quadrilaterals); declare them as boundaries if they are no contact");
     }
   }
+
+  /// On curved faces the centers are apart. There at least a quadrilateral is covered whose corners are all shared with
+  /// others that face it: a coarse one that meets a refined face.
+  void coverByCorners(
+    const std::vector<Index>& single, const std::vector<Vec3>& normal, std::vector<Index>& cover) const
+  {
+    const Index count = static_cast<Index>(single.size());
+    std::vector<std::pair<Index, Index>> atClass;
+    for (Index n = 0; n < count; ++n)
+    {
+      for (Index c : this->key(this->Surface.quadAt(single[n])))
+      {
+        atClass.push_back({ c, n });
+      }
+    }
+    std::sort(atClass.begin(), atClass.end());
+    this->Run.parallelFor(count, Chunk, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        Index shared = 0;
+        Index other = -1;
+        for (Index c : this->key(this->Surface.quadAt(single[n])))
+        {
+          auto at = std::lower_bound(atClass.begin(), atClass.end(), std::make_pair(c, Index(0)));
+          while (at != atClass.end() && at->first == c && !facing(normal[at->second], normal[n]))
+          {
+            ++at;
+          }
+          if (at != atClass.end() && at->first == c)
+          {
+            ++shared;
+            other = at->second;
+          }
+        }
+        if (shared == 4 && cover[n] < 0)
+        {
+          cover[n] = single[other];
+        }
+      }
+    });
+  }
+
+  /// Opposite within 25 degrees.
+  static bool facing(const Vec3& normalA, const Vec3& normalB) { return normalA.dot(normalB) < -0.9; }
 
   /// Whether the quadrilateral of unit normal `n` has `x` in its interior, up to `tolerance` along its normal.
   bool covers(const QuadAt& at, const Vec3& n, const Vec3& x, double tolerance) const

@@ -394,6 +394,119 @@ Fan smoothFan(const Fan& fan, BodyTwist twist, const std::vector<double>& nearWe
   return result;
 }
 
+CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const std::vector<bool>& keptSpokes,
+  const std::vector<bool>& planarSectors, BodyTwist twist, const std::vector<double>& nearWeight,
+  const std::vector<SpokeKeep>& keeps)
+{
+  const int n = fan.sectorCount();
+  const int cuts = static_cast<int>(features.size());
+  const auto groupSize = [&](int c) { return cuts < 2 ? n : (features[(c + 1) % cuts] - features[c] + n) % n; };
+  CreasedFan result{ fan, cuts == 2 && groupSize(0) != 1 && groupSize(1) != 1 };
+  if (result.crease)
+  {
+    result.points.center = smoothMask(fan.spokes[features[0]], fan.center, fan.spokes[features[1]]);
+  }
+  for (int c = 0; c < std::max(1, cuts); ++c)
+  {
+    const int first = cuts > 0 ? features[c] : 0;
+    const int size = groupSize(c);
+    Fan group;
+    group.closed = cuts < 2;
+    group.center = fan.center;
+    std::vector<double> near;
+    std::vector<SpokeKeep> inner;
+    std::vector<Vec3> along;
+    bool planar = false;
+    for (int i = 0; i < size + (group.closed ? 0 : 1); ++i)
+    {
+      const int at = (first + i) % n;
+      group.spokes.push_back(fan.spokes[at]);
+      near.push_back(nearWeight[at]);
+      const bool border = !group.closed && (i == 0 || i == size);
+      inner.push_back(border ? SpokeKeep{} : keeps[at]);
+      along.push_back(keptSpokes[at] || border
+          ? fan.spokes[at]
+          : fadedMask(fan.sectors[(at + n - 1) % n], fan.spokes[at], fan.sectors[at], keeps[at].step));
+      if (i < size)
+      {
+        group.sectors.push_back(fan.sectors[at]);
+        planar = planar || planarSectors[at];
+      }
+    }
+    const Fan values = result.crease && !planar ? fadedFan(group, twist, near, inner)
+                                                : anchoredFan(group, result.points.center, along, near);
+    for (int i = 0; i < group.spokeCount(); ++i)
+    {
+      // Both groups at a feature see the same one-dimensional rule.
+      const int at = (first + i) % n;
+      const bool feature = !group.closed && (i == 0 || i == size);
+      result.points.spokes[at] =
+        feature ? insertMask(fan.center, fan.spokes[at], nearWeight[at]) : values.spokes[i];
+    }
+    for (int i = 0; i < size; ++i)
+    {
+      result.points.sectors[(first + i) % n] = values.sectors[i];
+    }
+  }
+  return result;
+}
+
+Fan fadedFan(
+  const Fan& fan, BodyTwist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps)
+{
+  Fan result = smoothFan(fan, twist, nearWeight);
+  const int n = fan.sectorCount();
+  std::vector<int> sharp;
+  std::vector<bool> kept(fan.spokeCount(), false);
+  double keep = 0.0;
+  for (int i = 0; i < fan.spokeCount(); ++i)
+  {
+    if (keeps[i].any())
+    {
+      sharp.push_back(i);
+      kept[i] = true;
+      keep = std::max(keep, keeps[i].center);
+    }
+  }
+  if (sharp.empty())
+  {
+    return result;
+  }
+  const bool inLine = sharp.size() == 1 || (sharp.size() == 2 && sharp[1] - sharp[0] == 2);
+  if (fan.closed && n == 4 && inLine)
+  {
+    const int i = sharp[0];
+    const int j = (i + 2) % 4;
+    // A line that ends here leaves the centre smooth.
+    const Vec3 middle =
+      fadedMask(fan.spokes[(i + 1) % 4], fan.center, fan.spokes[(i + 3) % 4], sharp.size() == 2 ? keep : 0.0);
+    const Vec3 ahead = fadedMask(fan.sectors[(i + 3) % 4], fan.spokes[i], fan.sectors[i], keeps[i].step);
+    const Vec3 behind = fadedMask(fan.sectors[(j + 3) % 4], fan.spokes[j], fan.sectors[j], keeps[j].step);
+    result.center = smoothMask(ahead, middle, behind);
+    result.spokes[i] = insertMask(middle, ahead, nearWeight[i]);
+    result.spokes[j] = insertMask(middle, behind, nearWeight[j]);
+  }
+  else if (!fan.closed && n == 2 && sharp[0] == 1 && sharp.size() == 1)
+  {
+    result.center = fadedMask(fan.spokes[0], fan.center, fan.spokes[2], keep);
+    result.spokes[1] =
+      insertMask(result.center, fadedMask(fan.sectors[0], fan.spokes[1], fan.sectors[1], keeps[1].step), nearWeight[1]);
+  }
+  else if (fan.closed && sharp.size() > 1)
+  {
+    const Fan creased =
+      creasedFan(fan, sharp, kept, std::vector<bool>(n, false), twist, nearWeight, keeps).points;
+    const auto blend = [&](Vec3& smooth, const Vec3& target) { smooth += keep * (target - smooth); };
+    blend(result.center, creased.center);
+    for (int i = 0; i < n; ++i)
+    {
+      blend(result.spokes[i], creased.spokes[i]);
+      blend(result.sectors[i], creased.sectors[i]);
+    }
+  }
+  return result;
+}
+
 Vec3 limitNormal(const Fan& fan)
 {
   const LimitMasks limit = closedFanLimitMasks(fan.sectorCount());
@@ -517,7 +630,7 @@ Fan anchoredFan(
   for (int i = 0; i < fan.sectorCount(); ++i)
   {
     const int next = fan.nextSpoke(i);
-    const Vec3 corners[4] = { center, along[i], along[next], fan.sectors[i] };
+    const Vec3 corners[4] = { fan.center, fan.spokes[i], fan.spokes[next], fan.sectors[i] };
     const double weights[2] = { nearWeight[i], nearWeight[next] };
     result.sectors[i] = multilinear(corners, weights, 2);
   }

@@ -51,10 +51,40 @@ struct Fan
 /// A closed fan needs at least 3 sectors, an open one at least 2.
 Fan smoothFan(const Fan& fan, BodyTwist twist, const std::vector<double>& nearWeight);
 
-/// Rule for a centre that is given: inserted points by linear and bilinear interpolation between the centre, the
-/// values `along[i]` one step down the spokes, and the sectors. `nearWeight` as in smoothFan.
+/// Rule for a centre that is given: inserted points along spokes between the centre and the values `along[i]` one step
+/// down, in sectors by the regular mask [2/3 1/3] x [2/3 1/3] of the fan's points. `nearWeight` as in smoothFan.
 Fan anchoredFan(
   const Fan& fan, const Vec3& center, const std::vector<Vec3>& along, const std::vector<double>& nearWeight);
+
+/// How far the face behind a spoke keeps its points (FaceRule::keep): at the centre and one step down the spoke.
+struct SpokeKeep
+{
+  double center = 0.0;
+  double step = 0.0;
+
+  bool any() const { return this->center > 0.0 || this->step > 0.0; }
+};
+
+struct CreasedFan
+{
+  Fan points;
+  /// A smooth curve runs through two features; otherwise the centre is a corner and keeps its point.
+  bool crease = false;
+};
+
+/// Rule for a closed fan that `features` (spokes, ascending, at least one) cut into groups of sectors. Two features with
+/// two sectors or more on both sides are a crease: the centre and the points along the features follow the
+/// one-dimensional rule, the groups are smooth open fans. All else is a corner (one sector between two smooth features
+/// would have a Jacobian of 0). Groups in which `planarSectors` is set, and all at corners, are anchored; `keptSpokes`
+/// keep their points there one step down; `keeps` as in fadedFan, for the spokes between the features.
+CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const std::vector<bool>& keptSpokes,
+  const std::vector<bool>& planarSectors, BodyTwist twist, const std::vector<double>& nearWeight,
+  const std::vector<SpokeKeep>& keeps);
+
+/// smoothFan, fading into creasedFan along spokes that keep their points. In regular fans the mask across such spokes
+/// becomes fadedMask point by point, so that the rule along them stays as smooth as it was.
+Fan fadedFan(
+  const Fan& fan, BodyTwist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps);
 
 /// Fan of an extraordinary body vertex whose projection point and unit normal on the given surface are known
 /// (method 5.38 to 5.41 with the twist from the second fundamental form): the centre is `projection`, the neighbours are
@@ -76,6 +106,13 @@ Vec3 multilinear(const Vec3* corners, const double* nearWeight, int n);
 inline Vec3 smoothMask(const Vec3& a, const Vec3& p, const Vec3& b)
 {
   return ((a + b) + 4.0 * p) / 6.0;
+}
+
+/// (1 - keep) smoothMask + keep p.
+inline Vec3 fadedMask(const Vec3& a, const Vec3& p, const Vec3& b, double keep)
+{
+  const Vec3 smooth = smoothMask(a, p, b);
+  return keep > 0.0 ? Vec3(smooth + keep * (p - smooth)) : smooth;
 }
 
 /// [c, 1 - c] with the knot-insertion weight 2/3 evaluated exactly as (2 a + b) / 3.

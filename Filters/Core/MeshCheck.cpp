@@ -226,7 +226,8 @@ void checkSizes(const BlockMesh& mesh)
         const Ijk at{ static_cast<int>(n % counts[0]), static_cast<int>(n / counts[0] % counts[1]),
           static_cast<int>(n / counts[0] / counts[1]) };
         throw Error(blockLabel(mesh, b) + ", point " + text(at) + ": crease sharpness " + text(sharpness) +
-          " is neither 0 nor infinite (at least " + text(SharpnessInfinite) + "); semi-sharp creases are not supported");
+          " is neither 0 nor infinite (at least " + text(SharpnessInfinite) +
+          "); semi-sharp creases are not supported");
       }
     }
   }

@@ -25,8 +25,8 @@ struct MeshCheck
 ///
 /// Refused are: fewer than two points in a direction, data arrays of another length than the points, sharpness that is
 /// neither 0 nor infinite, non-finite points and, unless `allowDegenerate`, zero extent: mesh edges of no length
-/// (beyond 16 machine epsilons of the block's coordinates), cells whose eight corner Jacobians are all zero (to 1e-12 of
-/// the product of the edges), and cell faces whose four corners have no area.
+/// (beyond 16 machine epsilons of the block's coordinates), cells whose eight corner Jacobians are all zero (to 1e-12
+/// of the product of the edges), and cell faces whose four corners have no area.
 ///
 /// @throws Error that names the first block and point or cell.
 MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution& run);

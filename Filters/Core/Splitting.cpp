@@ -136,7 +136,9 @@ private:
         bool needed = this->Creases(quad, 1 - axis, 0);
         for (int side = 0; side < 2; ++side)
         {
-          needed = needed || this->Creases(before, axis, side) != this->Creases(quad, axis, side);
+          needed = needed ||
+            (this->Creases(before, axis, side) != this->Creases(quad, axis, side) &&
+              !this->isOutline({ at, axis, side }));
         }
         if (needed || !this->continues(before, partner, quad, next, axis))
         {
@@ -147,6 +149,14 @@ private:
         partner = next;
       }
     }
+  }
+
+  /// Whether only one cell lies at the edge: sharp in any case, so that it does not matter where a crease on it ends.
+  bool isOutline(const QuadEdge& edge) const
+  {
+    const QuadAt other = this->Surface.across(edge).quad;
+    return other.face != edge.quad.face && this->Links.boundary(this->Surface.quad(edge.quad)) &&
+      this->Links.boundary(this->Surface.quad(other));
   }
 
   QuadAt partnerOf(Index quad, int hint) const

@@ -39,8 +39,8 @@ private:
 using CutPositions = std::array<std::vector<int>, 3>;
 
 /// The smallest set of cuts, per block, after which on every piece of face all quadrilaterals meet the same face in the
-/// same way, or the same boundary, and no edge is a crease in part. A cut goes through its whole block and on through
-/// the contacts into the neighbours.
+/// same way, or the same boundary, and no edge is a crease in part, except where only one cell lies at it. A cut goes
+/// through its whole block and on through the contacts into the neighbours.
 ///
 /// @throws Error for crease lines that are none, and if there are more than a million pieces.
 std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface,

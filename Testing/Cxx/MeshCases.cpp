@@ -252,7 +252,8 @@ MeshCase cutBox(const Ijk& cells, const std::array<std::vector<int>, 3>& cuts, c
 
 MeshCase lShape(int n)
 {
-  return latticeBlocks({ { { 0, 0, 0 }, { n, n, n } }, { { n, 0, 0 }, { 2 * n, n, n } }, { { 0, n, 0 }, { n, 2 * n, n } } });
+  return latticeBlocks(
+    { { { 0, 0, 0 }, { n, n, n } }, { { n, 0, 0 }, { 2 * n, n, n } }, { { 0, n, 0 }, { n, 2 * n, n } } });
 }
 
 MeshCase ring(int valence, int cells, const std::vector<std::vector<double>>& heights)

@@ -74,8 +74,8 @@ MeshCase lShape(int cells);
 /// For valence != 4 the axis is an extraordinary edge. Directions: two in the sector, then z.
 MeshCase ring(int valence, int cells, const std::vector<std::vector<double>>& heights);
 
-/// Six blocks around the unit sphere, of cells x cells x (radii - 1); k runs outwards along `radii`. Eight extraordinary
-/// edges of valence 3 from the body (k = 0) to the outer boundary.
+/// Six blocks around the unit sphere, of cells x cells x (radii - 1); k runs outwards along `radii`. Eight
+/// extraordinary edges of valence 3 from the body (k = 0) to the outer boundary.
 MeshCase sphereBody(int cells, const std::vector<double>& radii);
 
 /// Unit ball: a cube and six blocks around it. 20 extraordinary edges of valence 3, 8 singular nodes.

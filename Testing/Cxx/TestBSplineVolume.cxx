@@ -26,8 +26,9 @@ long double basisByRecursion(const std::vector<double>& t, int i, int p, int ord
   }
   if (order > 0)
   {
-    return p * (over(basisByRecursion(t, i, p - 1, order - 1, span, u), t[i + p] - t0) -
-      over(basisByRecursion(t, i + 1, p - 1, order - 1, span, u), t1 - t[i + 1]));
+    return p *
+      (over(basisByRecursion(t, i, p - 1, order - 1, span, u), t[i + p] - t0) -
+        over(basisByRecursion(t, i + 1, p - 1, order - 1, span, u), t1 - t[i + 1]));
   }
   return over(u - t0, t[i + p] - t0) * basisByRecursion(t, i, p - 1, 0, span, u) +
     over(t1 - u, t1 - t[i + 1]) * basisByRecursion(t, i + 1, p - 1, 0, span, u);
@@ -174,7 +175,8 @@ TEST(BSplineVolume, ReproducesPolynomials)
     };
     for (int trial = 0; trial < 20; ++trial)
     {
-      const Vec3 u(randomIn(random, knots[0][0], 1), randomIn(random, knots[1][0], 1), randomIn(random, knots[2][0], 1));
+      const Vec3 u(
+        randomIn(random, knots[0][0], 1), randomIn(random, knots[1][0], 1), randomIn(random, knots[2][0], 1));
       const int a = trial % 3, b = trial / 3 % 3, c = trial / 9 % 2;
       const Vec3 x = evaluate(block.view(), u, { a, b, c });
       const double uFactor = value(u[0], a), vFactor = value(u[1], b), wFactor = value(u[2], c);
@@ -246,6 +248,5 @@ TEST(BSplineVolume, CheckFindsBadKnots)
   EXPECT_EQ(message(1, { 0, 0, nan, 1 }), "block 'a': knot 2 is not finite in direction v");
   EXPECT_EQ(message(1, { 0, 0, 2, 1 }), "block 'a': knot 3 is smaller than the one before it in direction v");
   EXPECT_EQ(message(1, { 0, 1, 1, 2 }), "block 'a': the knots' range is empty in direction v");
-  EXPECT_EQ(
-    message(1, { 0, 0, 1, 1, 2, 2 }), "block 'a': knot 2 is repeated more than 1 times in direction v");
+  EXPECT_EQ(message(1, { 0, 0, 1, 1, 2, 2 }), "block 'a': knot 2 is repeated more than 1 times in direction v");
 }

@@ -26,6 +26,29 @@ struct NamedCase
   std::function<MeshCase()> make;
 };
 
+/// Blocks, cut at i = 3 and at the given k, whose top (k = K) has a ridge along j = 2; the layers below it are thin.
+MeshCase ridge(const std::vector<int>& cutsInK = {})
+{
+  return meshcases::cutBox({ 6, 4, 3 }, { { { 3 }, {}, cutsInK } }, [](const Vec3& x) {
+    const double lift = x[2] * (0.3 * std::abs(x[1] - 2.0) + 0.05 * std::sin(x[0]));
+    return Vec3(x[0] + 0.1 * std::sin(x[0] + x[2]), x[1] + 0.03 * x[0] * x[0] * (x[2] / 3.0), x[2] - lift);
+  });
+}
+
+MeshCase taggedRidge(const std::vector<int>& cutsInK = {})
+{
+  MeshCase mesh = ridge(cutsInK);
+  for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
+  {
+    const Ijk cells = mesh.blocks[b].cells();
+    if (b >= static_cast<int>(mesh.blocks.size()) - 2)
+    {
+      mesh.creases.push_back({ b, { 0, 2, cells[2] }, { 3, 2, cells[2] } });
+    }
+  }
+  return mesh;
+}
+
 std::vector<NamedCase> cases()
 {
   const auto wavy = [](MeshCase mesh) {
@@ -46,6 +69,7 @@ std::vector<NamedCase> cases()
     { "oGrid", [=] { return wavy(meshcases::oGrid({ 8, 3, 2 })); } },
     { "closedShell", [=] { return wavy(meshcases::closedShell({ 7, 8, 3 })); } },
     { "cGrid", [=] { return meshcases::cGrid(4, 12, 3, 2); } },
+    { "ridge", [=] { return taggedRidge({ 1, 2 }); } },
     { "lShape", [=] { return wavy(meshcases::lShape(3)); } },
   };
 }
@@ -476,28 +500,13 @@ TEST(Conversion, PlanarSidesKeepTheirPoints)
   }
 }
 
-namespace
-{
-
-/// Two blocks whose top (k = K) has a ridge along j = 2.
-MeshCase ridge()
-{
-  return meshcases::cutBox({ 6, 4, 3 }, { { { 3 }, {}, {} } }, [](const Vec3& x) {
-    const double lift = x[2] * (0.3 * std::abs(x[1] - 2.0) + 0.05 * std::sin(x[0]));
-    return Vec3(x[0] + 0.1 * std::sin(x[0] + x[2]), x[1] + 0.03 * x[0] * x[0] * (x[2] / 3.0), x[2] - lift);
-  });
-}
-
-} // namespace
-
 // Along a crease the surface is the cubic B-spline curve of the crease's own points, whatever lies beside it.
 TEST(Conversion, CreaseIsTheSplineOfItsOwnPoints)
 {
-  MeshCase mesh = ridge();
+  MeshCase mesh = taggedRidge();
   std::vector<Vec3> line;
   for (int b = 0; b < 2; ++b)
   {
-    mesh.creases.push_back({ b, { 0, 2, 3 }, { 3, 2, 3 } });
     for (int i = b == 0 ? 0 : 1; i <= 3; ++i)
     {
       line.push_back(mesh.blocks[b].at({ i, 2, 3 }));
@@ -545,13 +554,62 @@ TEST(Conversion, CreaseIsTheSplineOfItsOwnPoints)
   EXPECT_EQ(curves, 2);
 }
 
+// Above a crease the volume keeps a fading edge; along it everything stays C2, also where blocks end.
+TEST(Conversion, CreaseFadesIntoTheVolumeAndStaysC2Along)
+{
+  MeshCase mesh = taggedRidge({ 1, 2 });
+  ConversionOptions options;
+  options.planarSides = PlanarSides::None;
+  const Converted converted = convert(mesh.mesh(), options);
+  double worst = 0.0, kink = 0.0;
+  Index points = 0;
+  for (const ComplexFace& face : converted.complex.faces)
+  {
+    const FaceUse a = face.uses.front();
+    if (face.boundary() || faceDirection(a.face) == 2)
+    {
+      continue;
+    }
+    const FaceUse b = face.uses.back();
+    ASSERT_EQ(face.orientation, 0);
+    const int n = faceDirection(a.face);
+    const BSplineVolume &va = converted.volumes[a.block], &vb = converted.volumes[b.block];
+    for (double t = 0.0; t <= va.count(faceAxis(a.face, 1)) - 3; t += 0.25)
+    {
+      for (double s = 0.0; s <= va.count(faceAxis(a.face, 0)) - 3; s += 0.25)
+      {
+        Vec3 ua, ub;
+        ua[faceAxis(a.face, 0)] = ub[faceAxis(a.face, 0)] = s;
+        ua[faceAxis(a.face, 1)] = ub[faceAxis(a.face, 1)] = t;
+        ua[n] = faceSide(a.face) ? va.count(n) - 3 : 0;
+        ub[n] = faceSide(b.face) ? vb.count(n) - 3 : 0;
+        std::array<int, 3> first{}, second{};
+        first[n] = 1;
+        second[n] = 2;
+        const double jump = (evaluate(va, ua, first) - evaluate(vb, ub, first)).norm();
+        if (n == 0) // across i, along the crease
+        {
+          worst = std::max({ worst, jump, (evaluate(va, ua, second) - evaluate(vb, ub, second)).norm() });
+          ++points;
+        }
+        else
+        {
+          kink = std::max(kink, jump);
+        }
+      }
+    }
+  }
+  EXPECT_GT(points, 250);
+  EXPECT_LE(worst, 64 * std::numeric_limits<double>::epsilon() * 6.0);
+  EXPECT_GT(kink, 0.1);
+}
+
 TEST(Conversion, TagsSharpnessAndAngleFindTheSameCrease)
 {
-  MeshCase tagged = ridge();
+  MeshCase tagged = taggedRidge();
   MeshCase sharp = ridge();
   for (int b = 0; b < 2; ++b)
   {
-    tagged.creases.push_back({ b, { 0, 2, 3 }, { 3, 2, 3 } });
     auto& block = sharp.blocks[b];
     block.creaseSharpness.assign(block.points.size(), 0.0);
     for (int i = 0; i <= 3; ++i)

@@ -165,7 +165,7 @@ Volumes fan(int n)
     forEach(block.counts(), [&](const Ijk& at) {
       Vec3 x = at[1] == 0 ? between(center, rim(i), at[0])
         : at[0] == 0      ? between(center, rim(i + 1), at[1])
-                     : between(between(center, rim(i), at[0]), between(rim(i + 1), far, at[0]), at[1]);
+                          : between(between(center, rim(i), at[0]), between(rim(i + 1), far, at[0]), at[1]);
       x[2] = at[2];
       block.points.insert(block.points.end(), x.data(), x.data() + 3);
     });
@@ -197,8 +197,8 @@ TEST(SharedEntities, EqualTheDistinctPointsOfTheLattice)
   using Bits = std::array<double, 3>;
   for (int trial = 0; trial < 20; ++trial)
   {
-    const Volumes volumes = cutLattice(random, { { { 1, 2 }, { 2, 1, 1 }, { 3, 1 } } },
-      { trial % 4 == 1, trial % 4 == 2, trial % 4 == 3 });
+    const Volumes volumes =
+      cutLattice(random, { { { 1, 2 }, { 2, 1, 1 }, { 3, 1 } } }, { trial % 4 == 1, trial % 4 == 2, trial % 4 == 3 });
     const SharedEntities all = sharedEntities(static_cast<int>(volumes.blocks.size()), volumes.interfaces);
     // A random control point in the middle tells entities apart.
     std::map<Bits, std::set<int>> vertices, edges, faces;
@@ -590,7 +590,9 @@ TEST(Quadflow, MalformedFilesAreRefusedByLine)
     { "text after the points", good.size() - 1, "", "0 0 0", "'end' expected" },
     { "outside geometry", geometry, "", "GEOMETRY file ../a.bsp", "same folder" },
     { "missing geometry", geometry, "", "GEOMETRY file b.bsp", "Cannot open" },
-    { "binary", vertex, "", std::string("\0\x01\xff", 3), "integer expected, '??" "?' found" },
+    { "binary", vertex, "", std::string("\0\x01\xff", 3),
+      "integer expected, '??"
+      "?' found" },
   };
   for (const Mistake& mistake : mistakes)
   {
@@ -675,7 +677,9 @@ TEST(Quadflow, ReadsBlanksCommentsAndForeignLineEnds)
   std::string text;
   for (const char c : contents(path))
   {
-    text += c == '\n' ? std::string("\t # comment\r\n\n  # another\r\n") : c == ' ' ? std::string(" \t ") : std::string(1, c);
+    text += c == '\n' ? std::string("\t # comment\r\n\n  # another\r\n")
+      : c == ' '      ? std::string(" \t ")
+                      : std::string(1, c);
   }
   put(path, text);
   expectSame(written, readCase(path).data);
@@ -777,5 +781,6 @@ TEST(Quadflow, Speed)
   const double write = seconds([&]() { writeQuadflow(all, path); });
   const double read = seconds([&]() { expectSame(all, readCase(path).data); });
   const double megabytes = static_cast<double>(fs::file_size(path)) / 1e6;
-  std::cout << megabytes << " MB written at " << megabytes / write << " MB/s, read at " << megabytes / read << " MB/s\n";
+  std::cout << megabytes << " MB written at " << megabytes / write << " MB/s, read at " << megabytes / read
+            << " MB/s\n";
 }

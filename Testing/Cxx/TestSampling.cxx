@@ -26,14 +26,13 @@ struct Samples
   }
 };
 
-Samples samplesOf(const Block& block, int level, const std::array<int, 3>& derivative = { 0, 0, 0 },
-  const Execution& run = {})
+Samples samplesOf(
+  const Block& block, int level, const std::array<int, 3>& derivative = { 0, 0, 0 }, const Execution& run = {})
 {
   checkBSplineVolume(block.view(), "block");
   Samples samples{ sampleCounts(block.view(), level, "block"), {} };
   const Ijk n = samples.counts;
-  samples.values.assign(
-    static_cast<std::size_t>(3) * n[0] * n[1] * n[2], std::numeric_limits<double>::quiet_NaN());
+  samples.values.assign(static_cast<std::size_t>(3) * n[0] * n[1] * n[2], std::numeric_limits<double>::quiet_NaN());
   sample(block.view(), level, derivative, samples.values.data(), run);
   return samples;
 }
@@ -128,8 +127,8 @@ TEST(Sampling, EqualsEvaluation)
 TEST(Sampling, DerivativesOfCubicsEqualEvaluation)
 {
   std::mt19937 random(2);
-  const Block block = randomBlock(
-    random, { 3, 3, 3 }, { clampedIntegerKnots(3), clampedIntegerKnots(4), clampedIntegerKnots(1) }, false);
+  const Block block =
+    randomBlock(random, { 3, 3, 3 }, { clampedIntegerKnots(3), clampedIntegerKnots(4), clampedIntegerKnots(1) }, false);
   for (const auto& derivative : Derivatives)
   {
     const Samples samples = samplesOf(block, 3, derivative);

@@ -232,8 +232,7 @@ inline Volumes cutLattice(std::mt19937& random, const std::array<std::vector<int
         }
         if (equal)
         {
-          result.interfaces.push_back(
-            { int(a / 6), fa, int(b / 6), fb, o, { { 0, 0 }, { ns, nt } }, { 0, 0 } });
+          result.interfaces.push_back({ int(a / 6), fa, int(b / 6), fb, o, { { 0, 0 }, { ns, nt } }, { 0, 0 } });
         }
       }
     }

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file BezierSegments.h
+/// Bezier form of B-spline spans and its halving, on control points of any vector type.
+#pragma once
+
+#include <vector>
+
+namespace bsv
+{
+
+/// Bezier points of span `span` of a B-spline, from its control points first..first + degree (`at(i)` gives the i-th of
+/// them): b_j is the blossom at degree - j times the left and j times the right end of the span.
+template <typename Point, typename At>
+void bezierOfSpan(int degree, const std::vector<double>& knots, int span, const At& at, Point* bezier)
+{
+  std::vector<Point> work(degree + 1);
+  for (int j = 0; j <= degree; ++j)
+  {
+    for (int i = 0; i <= degree; ++i)
+    {
+      work[i] = at(i);
+    }
+    for (int r = 1; r <= degree; ++r)
+    {
+      const double x = r <= degree - j ? knots[span] : knots[span + 1];
+      for (int i = degree; i >= r; --i)
+      {
+        const double low = knots[span - degree + i];
+        const double high = knots[span + 1 + i - r];
+        const double s = (x - low) / (high - low);
+        work[i] = (1.0 - s) * work[i - 1] + s * work[i];
+      }
+    }
+    bezier[j] = work[degree];
+  }
+}
+
+/// Halves a Bezier curve of `degree` with `stride` between its points in memory: the left half replaces `points`, the
+/// right half goes to `right`.
+template <typename Point>
+void halveBezier(int degree, int stride, Point* points, Point* right)
+{
+  right[degree * stride] = points[degree * stride];
+  for (int r = 1; r <= degree; ++r)
+  {
+    for (int i = degree; i >= r; --i)
+    {
+      points[i * stride] = 0.5 * (points[(i - 1) * stride] + points[i * stride]);
+    }
+    right[(degree - r) * stride] = points[degree * stride];
+  }
+}
+
+} // namespace bsv
