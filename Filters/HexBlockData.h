@@ -7,12 +7,12 @@
 /// makes no block, and entries of the arrays below that name it are left out. What is known of the mesh is kept in
 /// these field data arrays of the root, all optional:
 ///
-/// | array           | type   | components |
-/// |-----------------|--------|------------|
-/// | `Interfaces`    | int    | 12: blockA, faceA, blockB, faceB, orientation code, 1 if a range follows else 0, sMin, sMax, tMin, tMax on face A, sMin, tMin on face B |
-/// | `Boundaries`    | int    | 3: block, face, tag; or 7, if any covers only part of its face: block, face, tag, sMin, sMax, tMin, tMax |
-/// | `BoundaryNames` | string | 1: the name of tag 0, 1, .. |
-/// | `CreaseEdges`   | int    | 7: block, i, j, k of the first and i, j, k of the last mesh point of a run along a grid line |
+/// - `Interfaces` (int, 12 components): blockA, faceA, blockB, faceB, orientation code, 1 if a range follows else 0,
+///   sMin, sMax, tMin, tMax on face A, sMin, tMin on face B
+/// - `Boundaries` (int, 3): block, face, tag; or 7, if any covers only part of its face: block, face, tag, sMin, sMax,
+///   tMin, tMax
+/// - `BoundaryNames` (string): the name of tag 0, 1, ..
+/// - `CreaseEdges` (int, 7): block, i, j, k of the first and i, j, k of the last mesh point of a run along a grid line
 ///
 /// Faces, face axes and orientation codes are those of BlockTopology.h, ranges are mesh point indices from 0, both
 /// ends included. The point array `CreaseSharpness` (1 component) becomes MeshBlock::creaseSharpness.

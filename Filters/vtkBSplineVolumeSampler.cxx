@@ -80,7 +80,7 @@ int vtkBSplineVolumeSampler::RequestData(
       const double points = static_cast<double>(counts[b][0]) * counts[b][1] * counts[b][2];
       if (3.0 * points > static_cast<double>(std::numeric_limits<vtkIdType>::max()))
       {
-        throw bsv::Error(input.label(b) + ": level " + std::to_string(this->Level) + " has too many samples");
+        throw bsv::Error(input.label(b) + ": Level " + std::to_string(this->Level) + " has too many samples");
       }
       total += points;
     }
@@ -92,7 +92,7 @@ int vtkBSplineVolumeSampler::RequestData(
     {
       // A smaller request that does not fit into what is free is left to the operating system.
       std::ostringstream text;
-      text << "level " << this->Level << " needs " << gigabytes << " GB for the samples; this machine has " << present
+      text << "Level " << this->Level << " needs " << gigabytes << " GB for the samples; this machine has " << present
            << " GB";
       throw bsv::Error(text.str());
     }

@@ -84,7 +84,7 @@ int addBodyFaces(bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& fa
   {
     if (block < 0 || block >= static_cast<int>(mesh.blocks.size()) || face < 0 || face > 5)
     {
-      throw bsv::Error("BodyFaces: there is no face " + std::to_string(face) + " of block " + std::to_string(block) +
+      throw bsv::Error("Body Faces: there is no face " + std::to_string(face) + " of block " + std::to_string(block) +
         "; the mesh has " + std::to_string(mesh.blocks.size()) + " blocks with the faces 0 to 5");
     }
     mesh.boundaries.erase(std::remove_if(mesh.boundaries.begin(), mesh.boundaries.end(),
@@ -178,6 +178,10 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
   text << complex.blocks.size() << " blocks, " << total << " control points, " << classes.extraordinaryEdges
        << " extraordinary edges, " << counts.singularNodes << " singular nodes, " << counts.planarFaces
        << " planar sides\n";
+  for (const std::string& note : complex.notes)
+  {
+    text << note << '\n';
+  }
   for (const auto& [valence, count] : classes.extraordinaryCurves)
   {
     text << count << " extraordinary curves of valence " << valence << '\n';
@@ -381,8 +385,9 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     }
     options.planarSides = static_cast<bsv::PlanarSides>(this->PlanarSides);
     options.planarTolerance = this->PlanarTolerance;
-    options.twist = static_cast<bsv::BodyTwist>(this->BodyTwist);
+    options.twist = static_cast<bsv::Twist>(this->Twist);
     options.wallSpacing = this->WallSpacing;
+    options.propagationRange = this->PropagationRange;
 
     std::vector<vtkSmartPointer<vtkStructuredGrid>> nets;
     std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
@@ -418,14 +423,9 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     }
     this->Report = reportText(complex, classes, options, counts);
 
-    if (!complex.warnings.empty())
+    for (const std::string& warning : complex.warnings)
     {
-      std::string text;
-      for (const std::string& warning : complex.warnings)
-      {
-        text += (text.empty() ? "" : "\n") + warning;
-      }
-      vtkWarningMacro(<< text);
+      vtkWarningMacro(<< warning);
     }
   }
   catch (const bsv::Aborted&)
@@ -465,8 +465,9 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "CreaseAngle: " << this->CreaseAngle << '\n';
   os << indent << "PlanarSides: " << this->PlanarSides << '\n';
   os << indent << "PlanarTolerance: " << this->PlanarTolerance << '\n';
-  os << indent << "BodyTwist: " << this->BodyTwist << '\n';
+  os << indent << "Twist: " << this->Twist << '\n';
   os << indent << "WallSpacing: " << this->WallSpacing << '\n';
+  os << indent << "PropagationRange: " << this->PropagationRange << '\n';
   os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
   os << indent << "AllowDegenerate: " << (this->AllowDegenerate ? "On" : "Off") << '\n';
   os << indent << "Report: " << this->Report << '\n';

@@ -60,7 +60,7 @@ public:
     NONE = 2
   };
 
-  enum BodyTwistType
+  enum TwistType
   {
     SECOND_FUNDAMENTAL_FORM = 0,
     PARALLELOGRAM = 1,
@@ -119,8 +119,10 @@ public:
 
   ///@{
   /**
-   * Planar block sides that keep their mesh points: those of the far field, that is of the outer boundary but neither
-   * body nor symmetry plane (default); all but the body's, where inner joins are then C0 only; or none.
+   * Planar sides that keep their mesh points: those of the far field (default), that is planar sides of the outer
+   * boundary that are neither body nor symmetry plane, where a side ends at sharp edges, has the whole mesh behind it
+   * and borders on planar sides only; every planar block side but the body's, where inner joins are then C0 only; or
+   * none.
    */
   vtkSetClampMacro(PlanarSides, int, FAR_FIELD, NONE);
   vtkGetMacro(PlanarSides, int);
@@ -137,12 +139,12 @@ public:
 
   ///@{
   /**
-   * How the control point diagonally inside a body patch is found at extraordinary body vertices: from the second
-   * fundamental form of the limit surface (default), as the fourth point of a parallelogram, or by the mask
-   * 4/9 2/9 2/9 1/9.
+   * How the control point diagonally between two edges is found at extraordinary edges and extraordinary vertices of
+   * the boundary: from the second fundamental form of the layer or surface (default), as the fourth point of a
+   * parallelogram, or by the mask 4/9 2/9 2/9 1/9.
    */
-  vtkSetClampMacro(BodyTwist, int, SECOND_FUNDAMENTAL_FORM, MASK);
-  vtkGetMacro(BodyTwist, int);
+  vtkSetClampMacro(Twist, int, SECOND_FUNDAMENTAL_FORM, MASK);
+  vtkGetMacro(Twist, int);
   ///@}
 
   ///@{
@@ -152,6 +154,16 @@ public:
    */
   vtkSetMacro(WallSpacing, double);
   vtkGetMacro(WallSpacing, double);
+  ///@}
+
+  ///@{
+  /**
+   * How far creases of the outer boundary reach into the volume, as a multiple of the depth by which the smooth rule
+   * would round them: the faces above a crease keep their points there, fading out, so that thin layers do not fold.
+   * No unit, range >= 0, default 8; 0 turns it off.
+   */
+  vtkSetMacro(PropagationRange, double);
+  vtkGetMacro(PropagationRange, double);
   ///@}
 
   ///@{
@@ -213,8 +225,9 @@ private:
   double CreaseAngle = 30.0;
   int PlanarSides = FAR_FIELD;
   double PlanarTolerance = 1e-6;
-  int BodyTwist = SECOND_FUNDAMENTAL_FORM;
+  int Twist = SECOND_FUNDAMENTAL_FORM;
   double WallSpacing = 2.0 / 3.0;
+  double PropagationRange = 8.0;
   double MatchTolerance = 0.05;
   bool AllowDegenerate = false;
 

@@ -331,9 +331,9 @@ int vtkHexBlockTopology::RequestData(
            << complex.vertices.size() << " vertices, " << complex.edges.size() << " edges, " << complex.faces.size()
            << " faces\n"
            << classes.extraordinaryEdges << " extraordinary edges, " << classes.singularNodes << " singular nodes\n";
-    for (const std::string& warning : complex.warnings)
+    for (const std::string& note : complex.notes)
     {
-      report << warning << '\n';
+      report << note << '\n';
     }
     for (const auto& [valence, count] : classes.extraordinaryCurves)
     {
@@ -360,6 +360,10 @@ int vtkHexBlockTopology::RequestData(
     this->NumberOfExtraordinaryEdges = static_cast<int>(classes.extraordinaryEdges);
     this->NumberOfSingularNodes = static_cast<int>(classes.singularNodes);
     this->Report = report.str();
+    for (const std::string& warning : complex.warnings)
+    {
+      vtkWarningMacro(<< warning);
+    }
     this->UpdateProgress(1.0);
   }
   catch (const bsv::Aborted&)

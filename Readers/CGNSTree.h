@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file CGNSTree.h
-/// A look at the nodes of a CGNS file before the CGNS library loads them: it ends the process if a node claims more data
-/// than there is memory, and overruns its buffers if one has a type it does not know.
+/// A look at the nodes of a CGNS file before the CGNS library loads them: it ends the process if a node claims more
+/// data than there is memory, and overruns its buffers if one has a type it does not know.
 #pragma once
 
 #include <string>

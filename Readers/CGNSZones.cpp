@@ -514,7 +514,8 @@ private:
           if (points[p + d] < 1 || points[p + d] > last)
           {
             this->fail("the point (" + std::to_string(points[p]) + ", " + std::to_string(points[p + 1]) + ", " +
-              std::to_string(points[p + 2]) + ") of the list leaves the " + bsv::toString(size) + " points of the zone");
+              std::to_string(points[p + 2]) + ") of the list leaves the " + bsv::toString(size) +
+              " points of the zone");
           }
         }
         const cgsize_t side = faceSide(face) == 0 ? 1 : size[faceDirection(face)];

@@ -153,7 +153,8 @@ private:
     const int blocks = this->integer(0, "number of blocks");
     if (blocks != expected)
     {
-      this->fail("the number of blocks is " + std::to_string(blocks) + ", but the grid has " + std::to_string(expected));
+      this->fail(
+        "the number of blocks is " + std::to_string(blocks) + ", but the grid has " + std::to_string(expected));
     }
     for (int b = 0; b < blocks; ++b)
     {

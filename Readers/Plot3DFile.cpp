@@ -426,8 +426,8 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
       needs += (needs.empty() ? "" : " or ") + number(needed) +
         (iblank == IBlank::Present ? " with iblank" : " without iblank");
     }
-    const std::string mismatch = file.name() + ": the header promises " + describe(layout.counts) + ", that is " + needs +
-      " numbers, but the file has " + number(values) + ", down to line " +
+    const std::string mismatch = file.name() + ": the header promises " + describe(layout.counts) + ", that is " +
+      needs + " numbers, but the file has " + number(values) + ", down to line " +
       std::to_string(1 + std::count(text.begin(), text.end() - 1, '\n'));
     failure = expected ? mismatch : failure;
   }

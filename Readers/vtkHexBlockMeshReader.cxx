@@ -91,7 +91,7 @@ int vtkHexBlockMeshReader::RequestData(
   this->FileLayout.clear();
   if (this->FileName.empty())
   {
-    vtkErrorMacro("FileName is empty.");
+    vtkErrorMacro("File Name is empty.");
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }

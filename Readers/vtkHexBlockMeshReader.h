@@ -5,18 +5,18 @@
  *
  * The kind of the file is found from its contents, never from its name:
  * - PLOT3D grids, three-dimensional, of one or many blocks: ASCII (Fortran list-directed, with repeats such as `2*65`
- *   and commas), raw binary and Fortran unformatted (record markers of 4 or 8 bytes), both byte orders, float or double,
- *   with or without iblank. The layout that explains the size of the file is taken; Format, ByteOrder, Precision and
- *   IBlank override what is found. A neutral map file (`.nmf`) of the same name beside it tells contacts and boundary
- *   conditions.
+ *   and commas), raw binary and Fortran unformatted (record markers of 4 or 8 bytes), both byte orders, float or
+ *   double, with or without iblank. The layout that explains the size of the file is taken; Format, ByteOrder,
+ *   Precision and IBlank override what is found. A neutral map file (`.nmf`) of the same name beside it tells contacts
+ *   and boundary conditions.
  * - CGNS (ADF and HDF5): all structured zones of cell dimension 3 with their 1-to-1 interfaces and boundary conditions.
  *
  * Output: a vtkPartitionedDataSetCollection, one vtkStructuredGrid per block, named like the CGNS zone or
- * `block 1`, `block 2`, .. in its meta data and in the data assembly. Points are float or double, as in the file (ASCII:
- * double). Field data of the collection, each array only if the file tells it (exact layout: HexBlockData.h):
+ * `block 1`, `block 2`, .. in its meta data and in the data assembly. Points are float or double, as in the file
+ * (ASCII: double). Field data of the collection, each array only if the file tells it (exact layout: HexBlockData.h):
  * - `Interfaces` (int, 12): contacts of block faces; their points were found to coincide;
- * - `Boundaries` (int, 3 or 7) and `BoundaryNames` (string): TYPE of the neutral map, or the CGNS family, else the type of
- *   the condition, else its name. CGNS contacts marked periodic make the boundary `Periodic`.
+ * - `Boundaries` (int, 3 or 7) and `BoundaryNames` (string): TYPE of the neutral map, or the CGNS family, else the
+ *   type of the condition, else its name. CGNS contacts marked periodic make the boundary `Periodic`.
  *
  * Point data: `IBlank` (int) if a PLOT3D file has it.
  *

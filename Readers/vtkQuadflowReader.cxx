@@ -48,7 +48,7 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
   this->SetErrorCode(vtkErrorCode::NoError);
   if (this->FileName.empty())
   {
-    vtkErrorMacro("FileName is empty.");
+    vtkErrorMacro("File Name is empty.");
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }

@@ -119,7 +119,7 @@ void vtkQuadflowWriter::WriteData()
   }
   if (this->FileName.empty())
   {
-    vtkErrorMacro("FileName is empty.");
+    vtkErrorMacro("File Name is empty.");
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return;
   }

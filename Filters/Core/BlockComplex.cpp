@@ -4,6 +4,7 @@
 #include "BlockSurface.h"
 #include "Gluing.h"
 #include "MeshCheck.h"
+#include "SharedEntities.h"
 #include "Splitting.h"
 #include "UnionFind.h"
 
@@ -58,62 +59,6 @@ bool before(const Vec3& a, const Vec3& b)
   return false;
 }
 
-/// Disjoint sets of directed items: every item runs with or against its representative.
-class DirectedUnionFind
-{
-public:
-  explicit DirectedUnionFind(Index count)
-    : Parent(static_cast<std::size_t>(count))
-    , Against(static_cast<std::size_t>(count), false)
-  {
-    std::iota(this->Parent.begin(), this->Parent.end(), Index(0));
-  }
-
-  /// Representative, and whether the item runs against it.
-  std::pair<Index, bool> find(Index item)
-  {
-    Index root = item;
-    bool against = false;
-    while (this->Parent[root] != root)
-    {
-      against ^= this->Against[root] != 0;
-      root = this->Parent[root];
-    }
-    const bool result = against;
-    while (this->Parent[item] != root)
-    {
-      const Index next = this->Parent[item];
-      const bool step = this->Against[item] != 0;
-      this->Parent[item] = root;
-      this->Against[item] = against;
-      against ^= step;
-      item = next;
-    }
-    return { root, result };
-  }
-
-  /// False if the two are one already, in the other direction.
-  bool unite(Index a, Index b, bool reversed)
-  {
-    const auto rootA = this->find(a);
-    const auto rootB = this->find(b);
-    const bool against = rootA.second ^ rootB.second ^ reversed;
-    if (rootA.first == rootB.first)
-    {
-      return !against;
-    }
-    const Index small = std::min(rootA.first, rootB.first);
-    const Index large = std::max(rootA.first, rootB.first);
-    this->Parent[large] = small;
-    this->Against[large] = against;
-    return true;
-  }
-
-private:
-  std::vector<Index> Parent;
-  std::vector<char> Against;
-};
-
 class Builder
 {
 public:
@@ -139,7 +84,7 @@ public:
     this->Run.report(0.9);
     this->refuseFoldedContacts();
     this->weld();
-    this->warn();
+    this->tell();
     this->Run.report(1.0);
     return std::move(this->Result);
   }
@@ -294,55 +239,48 @@ private:
 
   void makeVerticesAndEdges()
   {
-    const int blockCount = static_cast<int>(this->Result.blocks.size());
-    UnionFind corners(8 * Index(blockCount));
-    DirectedUnionFind edges(12 * Index(blockCount));
+    std::vector<Interface> contacts;
     for (const ComplexFace& face : this->Result.faces)
     {
       if (!face.boundary())
       {
-        this->unite(face, corners, edges);
+        const FaceUse& a = face.uses[0];
+        const FaceUse& b = face.uses[1];
+        contacts.push_back({ a.block, a.face, b.block, b.face, face.orientation, {}, {} });
       }
     }
-    std::vector<int> vertexOf(8 * std::size_t(blockCount), -1);
-    std::vector<int> edgeOf(12 * std::size_t(blockCount), -1);
-    std::vector<char> against(12 * std::size_t(blockCount), false);
+    const int blockCount = static_cast<int>(this->Result.blocks.size());
+    const SharedEntities shared =
+      sharedEntities(blockCount, contacts, [this](int block) { return this->Result.blocks[block].name; });
+
+    this->Result.vertices.resize(shared.vertices);
+    for (const SharedEntities::Edge& entry : shared.edges)
+    {
+      ComplexEdge edge;
+      edge.vertices = entry.vertices;
+      edge.cells = this->Result.blocks[entry.block].cells(edgeDirection(entry.edge));
+      edge.uses.reserve(entry.uses);
+      this->Result.edges.push_back(std::move(edge));
+    }
     for (int b = 0; b < blockCount; ++b)
     {
       ComplexBlock& block = this->Result.blocks[b];
+      block.vertices = shared.blocks[b].vertices;
+      block.edges = shared.blocks[b].edges;
+      block.edgeReversed = shared.blocks[b].edgeReversed;
       for (int c = 0; c < 8; ++c)
       {
-        int& id = vertexOf[corners.find(8 * Index(b) + c)];
-        if (id < 0)
-        {
-          id = static_cast<int>(this->Result.vertices.size());
-          this->Result.vertices.emplace_back();
-        }
-        block.vertices[c] = id;
-        this->Result.vertices[id].corners.push_back({ b, c });
+        this->Result.vertices[block.vertices[c]].corners.push_back({ b, c });
       }
       for (int e = 0; e < 12; ++e)
       {
-        const auto root = edges.find(12 * Index(b) + e);
-        int& id = edgeOf[root.first];
+        ComplexEdge& edge = this->Result.edges[block.edges[e]];
         const int cells = block.cells(edgeDirection(e));
-        if (id < 0)
-        {
-          id = static_cast<int>(this->Result.edges.size());
-          against[root.first] = root.second;
-          ComplexEdge edge;
-          edge.vertices = { block.vertices[edgeCorner(e, 0)], block.vertices[edgeCorner(e, 1)] };
-          edge.cells = cells;
-          this->Result.edges.push_back(edge);
-        }
-        ComplexEdge& edge = this->Result.edges[id];
         if (edge.cells != cells)
         {
           throw Error("edges of " + block.name + " and " + this->Result.blocks[edge.uses[0].block].name +
             " that meet have " + std::to_string(cells) + " and " + std::to_string(edge.cells) + " cells");
         }
-        block.edges[e] = id;
-        block.edgeReversed[e] = root.second != (against[root.first] != 0);
         edge.uses.push_back({ b, e, block.edgeReversed[e] });
       }
     }
@@ -351,35 +289,6 @@ private:
       if (face.boundary())
       {
         this->markBoundary(face.uses[0]);
-      }
-    }
-  }
-
-  void unite(const ComplexFace& face, UnionFind& corners, DirectedUnionFind& edges) const
-  {
-    const FaceUse& a = face.uses[0];
-    const FaceUse& b = face.uses[1];
-    const auto onB = [&](int cs, int ct) { return mapFacePoint(face.orientation, cs, ct, 1, 1); };
-    for (int c = 0; c < 4; ++c)
-    {
-      const auto to = onB(c & 1, c >> 1);
-      corners.unite(8 * Index(a.block) + faceCorner(a.face, c & 1, c >> 1),
-        8 * Index(b.block) + faceCorner(b.face, to[0], to[1]));
-    }
-    for (int axis = 0; axis < 2; ++axis)
-    {
-      for (int side = 0; side < 2; ++side)
-      {
-        const auto from = axis == 0 ? onB(0, side) : onB(side, 0);
-        const auto to = axis == 0 ? onB(1, side) : onB(side, 1);
-        const int axisB = from[0] != to[0] ? 0 : 1;
-        const bool reversed = from[axisB] > to[axisB];
-        if (!edges.unite(12 * Index(a.block) + faceEdge(a.face, axis, side),
-              12 * Index(b.block) + faceEdge(b.face, axisB, from[1 - axisB]), reversed))
-        {
-          throw Error("the contact of " + this->Result.blocks[a.block].name + " " + faceLabel(a.face) + " and " +
-            this->Result.blocks[b.block].name + " " + faceLabel(b.face) + " joins an edge to itself in reverse");
-        }
       }
     }
   }
@@ -623,7 +532,7 @@ private:
     return data;
   }
 
-  void warn()
+  void tell()
   {
     this->Result.tangledCells = this->Check.tangledCells;
     std::vector<std::string> leftHanded;
@@ -653,7 +562,7 @@ private:
     }
     if (!split.empty())
     {
-      this->Result.warnings.push_back(counted(split.size(), "block was", "blocks were") +
+      this->Result.notes.push_back(counted(split.size(), "block was", "blocks were") +
         " split along partial contacts, boundary borders or creases: " + listed(split) + ".");
     }
   }
@@ -671,79 +580,19 @@ private:
   BlockComplex Result;
 };
 
-/// Per vertex, the ends of extraordinary edges there; an edge from a vertex to itself ends there twice.
-std::vector<std::vector<int>> extraordinaryEnds(const BlockComplex& complex)
-{
-  std::vector<std::vector<int>> ends(complex.vertices.size());
-  for (int e = 0; e < static_cast<int>(complex.edges.size()); ++e)
-  {
-    if (complex.edges[e].extraordinary())
-    {
-      ends[complex.edges[e].vertices[0]].push_back(e);
-      ends[complex.edges[e].vertices[1]].push_back(e);
-    }
-  }
-  return ends;
-}
-
-bool runsThrough(const BlockComplex& complex, const std::vector<int>& ends, int vertex)
-{
-  // All other edges at the vertex have valence 4. Around an interior vertex that leaves a closed fan of n blocks on
-  // either side of a plane of ordinary edges.
-  return !complex.vertices[vertex].boundary && ends.size() == 2 &&
-    complex.edges[ends[0]].valence() == complex.edges[ends[1]].valence();
-}
-
 } // namespace
 
 BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions& options, const Execution& run)
 {
   if (!(options.matchTolerance > 0.0 && options.matchTolerance < 0.5))
   {
-    throw Error("match tolerance " + text(options.matchTolerance) + " is not between 0 and 0.5");
+    throw Error("Match Tolerance " + text(options.matchTolerance) + " is not between 0 and 0.5");
   }
   if (!(options.creaseAngle >= 0.0 && options.creaseAngle <= 180.0))
   {
-    throw Error("crease angle " + text(options.creaseAngle) + " is not between 0 and 180 degrees");
+    throw Error("Crease Angle " + text(options.creaseAngle) + " is not between 0 and 180 degrees");
   }
   return Builder(mesh, options, run).build();
-}
-
-std::vector<int> singularNodes(const BlockComplex& complex)
-{
-  const auto ends = extraordinaryEnds(complex);
-  std::vector<int> nodes;
-  for (int v = 0; v < static_cast<int>(ends.size()); ++v)
-  {
-    if (!complex.vertices[v].boundary && !ends[v].empty() && !runsThrough(complex, ends[v], v))
-    {
-      nodes.push_back(v);
-    }
-  }
-  return nodes;
-}
-
-std::map<int, int> extraordinaryCurves(const BlockComplex& complex)
-{
-  // Every joint makes one curve of two; only the one that closes a ring does not.
-  UnionFind chains(static_cast<Index>(complex.edges.size()));
-  const auto ends = extraordinaryEnds(complex);
-  for (int v = 0; v < static_cast<int>(ends.size()); ++v)
-  {
-    if (runsThrough(complex, ends[v], v))
-    {
-      chains.unite(ends[v][0], ends[v][1]);
-    }
-  }
-  std::map<int, int> curves;
-  for (int e = 0; e < static_cast<int>(complex.edges.size()); ++e)
-  {
-    if (complex.edges[e].extraordinary() && chains.find(e) == e)
-    {
-      ++curves[complex.edges[e].valence()];
-    }
-  }
-  return curves;
 }
 
 Ijk facePoint(const Ijk& cells, int face, int s, int t)

@@ -6,7 +6,6 @@
 
 #include "BlockMesh.h"
 
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -114,8 +113,10 @@ struct BlockComplex
 
   /// Cells whose corner Jacobians do not all have the sign of their block.
   Index tangledCells = 0;
-  /// What the user should know, one sentence each (left-handed blocks, tangled cells, blocks that were split).
+  /// What may be wrong with the mesh, one sentence each: left-handed blocks, tangled cells.
   std::vector<std::string> warnings;
+  /// What was done, one sentence each: blocks that were split.
+  std::vector<std::string> notes;
 
   /// Memory behind the views of the blocks whose points had to be welded. Empty if all copies of every shared point
   /// were equal bit for bit.
@@ -133,15 +134,6 @@ struct BlockComplex
 /// collapsed faces or cells (unless allowed), semi-sharp creases.
 BlockComplex buildBlockComplex(
   const BlockMesh& mesh, const BlockComplexOptions& options = {}, const Execution& run = {});
-
-
-/// Interior vertices at which extraordinary edges end or meet, ascending: all with extraordinary edges but those that
-/// one extraordinary curve runs through.
-std::vector<int> singularNodes(const BlockComplex& complex);
-
-/// Number of interior extraordinary curves per valence. A curve is a chain of extraordinary edges, as long as possible,
-/// through interior vertices where no others meet; closed rings count as one.
-std::map<int, int> extraordinaryCurves(const BlockComplex& complex);
 
 /// Point of a block of `cells` + 1 points per direction at mesh position (s, t) of a face.
 Ijk facePoint(const Ijk& cells, int face, int s, int t);

@@ -32,6 +32,8 @@ constexpr int MaxHalvings = 40;
 constexpr double CellMargin = 0.25;
 /// Rational tangents are not in the hull of the control net's differences: their variation is taken larger.
 constexpr double RationalSafety = 1.5;
+/// Distance, in units of a cell, at which one-sided derivatives at its ends are taken.
+constexpr double EndShift = 1e-9;
 constexpr Index CellsPerNode = 4;
 
 /// Smooth part of a patch.
@@ -187,6 +189,7 @@ private:
     // Differences along both directions bound both tangents; how much they change along each says where to halve.
     double bendU = 0.0;
     double bendV = 0.0;
+    double twist = 0.0;
     for (int b = 0; b <= q; ++b)
     {
       for (int a = 0; a <= p; ++a)
@@ -198,6 +201,10 @@ private:
         if (b < q)
         {
           cell.spreadV = std::max(cell.spreadV, (q * (at(a, b + 1) - at(a, b)) - cell.tangentV).norm());
+        }
+        if (a < p && b < q)
+        {
+          twist = std::max(twist, p * q * (at(a + 1, b + 1) - at(a + 1, b) - at(a, b + 1) + at(a, b)).norm());
         }
         if (a > 0 && a < p)
         {
@@ -216,7 +223,10 @@ private:
     }
     const double lengthU = cell.tangentU.norm();
     const double lengthV = cell.tangentV.norm();
-    const bool flat = cell.spreadU <= TangentVariation * lengthU && cell.spreadV <= TangentVariation * lengthV;
+    // How much each tangent is too curved, if at all; the smallest size keeps rounding from counting.
+    const double excessU = cell.spreadU / (TangentVariation * lengthU + this->Smallest);
+    const double excessV = cell.spreadV / (TangentVariation * lengthV + this->Smallest);
+    const bool flat = excessU <= 1.0 && excessV <= 1.0;
     if (flat || left == 0 || cell.radius <= this->Smallest)
     {
       cell.piece = this->PieceIndex;
@@ -228,10 +238,8 @@ private:
       this->Cells.push_back(cell);
       return;
     }
-    // Relative change of x_u is due to its own bend, or to the twist, for which the direction does not matter much.
-    const bool alongU = std::abs(bendU - bendV) <= 0.1 * std::max(bendU, bendV)
-      ? lengthU >= lengthV
-      : bendU * std::max(lengthV, 1e-3 * lengthU) >= bendV * std::max(lengthU, 1e-3 * lengthV);
+    // The worse tangent changes along its own direction (bend) or along the other one (twist), as it does at poles.
+    const bool alongU = excessU >= excessV ? bendU >= twist : bendV < twist;
     std::vector<Vec4> other(net.size());
     if (alongU)
     {
@@ -282,9 +290,9 @@ void edgeCells(const NURBSSurface& surface, const ParameterCurve& curve, int ind
     double tangentLength = 0.0;
     for (int i = 0; i <= Samples; ++i)
     {
-      // The ends a little inside, so that tangents are those of this span.
-      const double inside = i == 0 ? 1e-9 : i == Samples ? 1.0 - 1e-9 : double(i) / Samples;
-      const CurvePoint at = evaluateEdge(surface, curve, a + inside * (b - a));
+      // The ends a little outside: both cells at a kink of the surface see both tangents.
+      const double part = i == 0 ? -EndShift : i == Samples ? 1.0 + EndShift : double(i) / Samples;
+      const CurvePoint at = evaluateEdge(surface, curve, a + part * (b - a));
       points[i] = at.x;
       tangents[i] = at.d1 * (b - a);
       tangentLength = std::max(tangentLength, tangents[i].norm());
@@ -310,7 +318,7 @@ void edgeCells(const NURBSSurface& surface, const ParameterCurve& curve, int ind
       cell.spreadU = std::max(cell.spreadU, (tangents[i] - cell.tangentU).norm());
       cell.radius = std::max(cell.radius, (points[i] - cell.center).norm());
     }
-    const bool flat = fewSpans && cell.spreadU <= TangentVariation * cell.tangentU.norm();
+    const bool flat = fewSpans && cell.spreadU <= TangentVariation * cell.tangentU.norm() + smallest;
     if (flat || left == 0 || (cell.radius <= smallest && tangentLength <= 4.0 * smallest))
     {
       cell.radius += 2.0 * sag;
@@ -327,9 +335,20 @@ void edgeCells(const NURBSSurface& surface, const ParameterCurve& curve, int ind
     self(self, a, middle, left - 1);
     self(self, middle, b, left - 1);
   };
+  // Ends of spans are cells of their own: there the curve may end or have a kink.
+  const auto addPoint = [&](double t) {
+    Cell cell;
+    cell.center = evaluateEdge(surface, curve, t).x;
+    cell.box.extend(cell.center);
+    cell.edge = index;
+    cell.u0 = cell.u1 = t;
+    cells.push_back(cell);
+  };
+  addPoint(curve.first());
   for (const int span : nonEmptySpans(curve.degree, curve.knots))
   {
     halve(halve, curve.knots[span], curve.knots[span + 1], MaxHalvings);
+    addPoint(curve.knots[span + 1]);
   }
 }
 
@@ -577,7 +596,7 @@ void BodySurface::Locator::visit(const std::vector<Node>& tree, const std::vecto
 
 bool BodySurface::Locator::mayHoldFootPoint(const Cell& cell, const Vec3& query) const
 {
-  if (cell.piece < 0)
+  if (cell.u0 == cell.u1)
   {
     return true;
   }
@@ -587,7 +606,7 @@ bool BodySurface::Locator::mayHoldFootPoint(const Cell& cell, const Vec3& query)
   const auto never = [&](const Vec3& tangent, double spread) {
     return std::abs(r.dot(tangent)) > length * spread + cell.radius * (tangent.norm() + spread);
   };
-  return !never(cell.tangentU, cell.spreadU) && !never(cell.tangentV, cell.spreadV);
+  return !never(cell.tangentU, cell.spreadU) && (cell.piece < 0 || !never(cell.tangentV, cell.spreadV));
 }
 
 bool BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, Candidate& found) const
@@ -631,13 +650,13 @@ bool BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, Cand
     Vec2 step = Vec2::Zero();
     if (held[0] && held[1])
     {
-      break;
+      return false;
     }
     if (held[0] || held[1])
     {
       if (++atBorder > 3)
       {
-        break;
+        return false;
       }
       const int d = held[0] ? 1 : 0;
       step[d] = -gradient[d] / hessian(d, d);
@@ -686,6 +705,15 @@ bool BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, Cand
       break;
     }
   }
+  // Stopped, but by the border: no foot point here.
+  const Vec2 gradient(r.dot(at.u), r.dot(at.v));
+  for (int d = 0; d < 2; ++d)
+  {
+    if ((uv[d] <= low[d] && gradient[d] > 0.0) || (uv[d] >= high[d] && gradient[d] < 0.0))
+    {
+      return false;
+    }
+  }
   if (cell.crossed && !this->regions[piece.patch].contains(uv))
   {
     return false;
@@ -715,27 +743,24 @@ void BodySurface::Locator::searchEdge(const Cell& cell, const Vec3& query, std::
   };
   double low = cell.u0;
   double high = cell.u1;
+  if (low == high)
+  {
+    submit(evaluateEdge(surface, edge.curve, low));
+    return;
+  }
+  // On a knot derivatives are those to its right.
+  high -= EndShift * (high - low);
   const CurvePoint atLow = evaluateEdge(surface, edge.curve, low);
   const CurvePoint atHigh = evaluateEdge(surface, edge.curve, high);
-  submit(atLow);
-  submit(atHigh);
   if (!((atLow.x - query).dot(atLow.d1) < 0.0))
   {
-    // At the end of its span a derivative is that of the next one: look a little to the inside.
-    const double inside = low + 1e-7 * (high - low);
-    const CurvePoint near = evaluateEdge(surface, edge.curve, inside);
-    if (!((near.x - query).dot(near.d1) < 0.0))
-    {
-      return;
-    }
+    submit(atLow);
+    return;
   }
+  if (!((atHigh.x - query).dot(atHigh.d1) > 0.0))
   {
-    const double inside = high - 1e-7 * (high - low);
-    const CurvePoint near = evaluateEdge(surface, edge.curve, inside);
-    if (!((near.x - query).dot(near.d1) > 0.0))
-    {
-      return;
-    }
+    submit(atHigh);
+    return;
   }
   // The derivative of the distance changes its sign from - to +: Newton inside the shrinking bracket, else halving.
   double t = 0.5 * (low + high);

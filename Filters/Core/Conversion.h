@@ -52,12 +52,12 @@ enum class PlanarSides : std::uint8_t
   None
 };
 
-/// The inserted point next to an extraordinary body vertex that is not on a patch border.
-enum class BodyTwist : std::uint8_t
+/// How the inserted point diagonally between two edges is found at extraordinary edges and vertices (LayerRules.h).
+enum class Twist : std::uint8_t
 {
-  SecondFundamentalForm,
-  Parallelogram,
-  Mask
+  SecondFundamentalForm, ///< from the curvature of the layer or surface
+  Parallelogram,         ///< fourth point of a parallelogram
+  Mask                   ///< mask 4/9 2/9 2/9 1/9 of the mesh points
 };
 
 struct ConversionOptions
@@ -67,7 +67,7 @@ struct ConversionOptions
   PlanarSides planarSides = PlanarSides::FarField;
   /// A side is planar if its points are closer to a plane than this fraction of its bounding box's diagonal.
   double planarTolerance = 1e-6;
-  BodyTwist twist = BodyTwist::SecondFundamentalForm;
+  Twist twist = Twist::SecondFundamentalForm;
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
   double wallSpacing = 2.0 / 3.0;
   /// How far creases of the outer surface reach into the volume, as a multiple of the depth by which the smooth rule would

@@ -215,4 +215,43 @@ VertexStar vertexStar(const BlockComplex& complex, int vertex)
   return star;
 }
 
+BoundaryRing boundaryRing(const VertexStar& star)
+{
+  std::vector<int> faces;
+  std::vector<int> facesAtEdge(star.edges.size(), 0);
+  for (int f = 0; f < static_cast<int>(star.faces.size()); ++f)
+  {
+    if (star.faces[f].boundary)
+    {
+      faces.push_back(f);
+      ++facesAtEdge[star.faces[f].edges[0]];
+      ++facesAtEdge[star.faces[f].edges[1]];
+    }
+  }
+  if (faces.empty() ||
+    !std::all_of(facesAtEdge.begin(), facesAtEdge.end(), [](int count) { return count == 0 || count == 2; }))
+  {
+    return {};
+  }
+  BoundaryRing ring;
+  int face = faces.front();
+  int edge = star.faces[face].edges[0];
+  do
+  {
+    ring.edges.push_back(edge);
+    ring.faces.push_back(face);
+    const auto& ends = star.faces[face].edges;
+    edge = ends[0] == edge ? ends[1] : ends[0];
+    for (const int other : faces)
+    {
+      if (other != face && (star.faces[other].edges[0] == edge || star.faces[other].edges[1] == edge))
+      {
+        face = other;
+        break;
+      }
+    }
+  } while (edge != ring.edges.front() && ring.edges.size() <= faces.size());
+  return ring.faces.size() == faces.size() ? ring : BoundaryRing{};
+}
+
 } // namespace bsv

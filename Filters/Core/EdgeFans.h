@@ -103,4 +103,14 @@ struct VertexStar
 
 VertexStar vertexStar(const BlockComplex& complex, int vertex);
 
+/// The outer surface around a boundary vertex: star edges and star faces in cyclic order, face i between edges i and i+1.
+/// Empty where the boundary faces do not form one ring. Where it starts and in which sense it runs is arbitrary.
+struct BoundaryRing
+{
+  std::vector<int> edges;
+  std::vector<int> faces;
+};
+
+BoundaryRing boundaryRing(const VertexStar& star);
+
 } // namespace bsv

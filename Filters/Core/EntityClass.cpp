@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EntityClass.h"
 
+#include "UnionFind.h"
+
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -116,17 +117,7 @@ EntityClasses classifyEntities(const BlockComplex& complex)
     classes.edges.push_back(what);
   }
 
-  // Chains of extraordinary edges, as a forest of edge numbers.
-  std::vector<int> parent(complex.edges.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int e) {
-    while (parent[e] != e)
-    {
-      e = parent[e] = parent[parent[e]];
-    }
-    return e;
-  };
-
+  UnionFind curves(static_cast<Index>(complex.edges.size()));
   const std::vector<BoundaryStar> stars = boundaryStars(complex);
   for (std::size_t v = 0; v < complex.vertices.size(); ++v)
   {
@@ -145,7 +136,7 @@ EntityClasses classifyEntities(const BlockComplex& complex)
       if (runsThrough(complex, ends[v]))
       {
         what = EntityClass::Extraordinary;
-        parent[root(ends[v][0].edge)] = root(ends[v][1].edge);
+        curves.unite(ends[v][0].edge, ends[v][1].edge);
       }
       else
       {
@@ -156,9 +147,9 @@ EntityClasses classifyEntities(const BlockComplex& complex)
     classes.vertices.push_back(what);
   }
 
-  for (std::size_t e = 0; e < complex.edges.size(); ++e)
+  for (Index e = 0; e < static_cast<Index>(complex.edges.size()); ++e)
   {
-    if (complex.edges[e].extraordinary() && root(static_cast<int>(e)) == static_cast<int>(e))
+    if (complex.edges[e].extraordinary() && curves.find(e) == e)
     {
       ++classes.extraordinaryCurves[complex.edges[e].valence()];
     }

@@ -189,7 +189,7 @@ FanStencils regularOpenStencils()
   return stencils;
 }
 
-FanStencils extraordinaryStencils(bool closed, int sectors, BodyTwist twist)
+FanStencils extraordinaryStencils(bool closed, int sectors, Twist twist)
 {
   const RegularFan shape = regularFan(closed, sectors);
   const LimitMasks limit = closed ? closedFanLimitMasks(sectors) : openFanLimitMasks(sectors);
@@ -249,7 +249,7 @@ FanStencils extraordinaryStencils(bool closed, int sectors, BodyTwist twist)
   {
     const int next = (i + 1) % spokes;
     FanStencil stencil{ limit.position, 1.0 };
-    if (twist == BodyTwist::Mask)
+    if (twist == Twist::Mask)
     {
       stencil = { zeroMask(shape), 9.0 };
       stencil.weights.center = 4.0;
@@ -258,10 +258,10 @@ FanStencils extraordinaryStencils(bool closed, int sectors, BodyTwist twist)
     }
     else
     {
-      const double blend = twist == BodyTwist::Parallelogram ? 1.0 : x;
+      const double blend = twist == Twist::Parallelogram ? 1.0 : x;
       addScaled(stencil.weights, blend, offsets[i]);
       addScaled(stencil.weights, blend, offsets[next]);
-      if (twist == BodyTwist::SecondFundamentalForm)
+      if (twist == Twist::SecondFundamentalForm)
       {
         const Eigen::Vector2d a = mu * shape.spokes[i];
         const Eigen::Vector2d b = mu * shape.spokes[next];
@@ -304,10 +304,10 @@ FanStencils extraordinaryStencils(bool closed, int sectors, BodyTwist twist)
   return stencils;
 }
 
-const FanStencils& stencilsOf(bool closed, int sectors, BodyTwist twist)
+const FanStencils& stencilsOf(bool closed, int sectors, Twist twist)
 {
   static std::mutex mutex;
-  static std::map<std::tuple<bool, int, BodyTwist>, FanStencils> cache;
+  static std::map<std::tuple<bool, int, Twist>, FanStencils> cache;
   const std::lock_guard<std::mutex> lock(mutex);
   const auto key = std::make_tuple(closed, sectors, twist);
   auto found = cache.find(key);
@@ -351,7 +351,7 @@ Vec3 apply(const FanStencil& stencil, const Fan& fan, int rotation, OrderFreeSum
 
 } // namespace
 
-Fan smoothFan(const Fan& fan, BodyTwist twist, const std::vector<double>& nearWeight)
+Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight)
 {
   const FanStencils& stencils = stencilsOf(fan.closed, fan.sectorCount(), twist);
   OrderFreeSum sum;
@@ -395,7 +395,7 @@ Fan smoothFan(const Fan& fan, BodyTwist twist, const std::vector<double>& nearWe
 }
 
 CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const std::vector<bool>& keptSpokes,
-  const std::vector<bool>& planarSectors, BodyTwist twist, const std::vector<double>& nearWeight,
+  const std::vector<bool>& planarSectors, Twist twist, const std::vector<double>& nearWeight,
   const std::vector<SpokeKeep>& keeps)
 {
   const int n = fan.sectorCount();
@@ -452,7 +452,7 @@ CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const st
 }
 
 Fan fadedFan(
-  const Fan& fan, BodyTwist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps)
+  const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps)
 {
   Fan result = smoothFan(fan, twist, nearWeight);
   const int n = fan.sectorCount();
@@ -515,7 +515,7 @@ Vec3 limitNormal(const Fan& fan)
   return length > 0.0 ? Vec3(cross / length) : Vec3(Vec3::Zero());
 }
 
-Fan projectedFan(const Fan& input, const Vec3& projection, const Vec3& normal, BodyTwist twist)
+Fan projectedFan(const Fan& input, const Vec3& projection, const Vec3& normal, Twist twist)
 {
   const int n = input.sectorCount();
   // Nothing below may depend on where the fan starts and in which sense it runs: start at the smallest spoke and go
@@ -551,7 +551,7 @@ Fan projectedFan(const Fan& input, const Vec3& projection, const Vec3& normal, B
 
   const RegularFan shape = regularFan(true, n);
   const double g = 2.0 * shape.cosine;
-  const double blend = twist == BodyTwist::Parallelogram ? 1.0 : (6.0 + g) / (3.0 * (2.0 + g));
+  const double blend = twist == Twist::Parallelogram ? 1.0 : (6.0 + g) / (3.0 * (2.0 + g));
   // The fitted quadratic lives in the coordinates of the regular fan; the limit tangents along its axes carry the
   // offsets there.
   const LimitMasks limit = closedFanLimitMasks(n);
@@ -569,7 +569,7 @@ Fan projectedFan(const Fan& input, const Vec3& projection, const Vec3& normal, B
   for (int i = 0; i < n; ++i)
   {
     const int next = (i + 1) % n;
-    if (twist == BodyTwist::Mask)
+    if (twist == Twist::Mask)
     {
       const Vec3 corners[4] = { fan.center, fan.spokes[i], fan.spokes[next], fan.sectors[i] };
       const double weights[2] = { 2.0 / 3.0, 2.0 / 3.0 };
@@ -577,7 +577,7 @@ Fan projectedFan(const Fan& input, const Vec3& projection, const Vec3& normal, B
       continue;
     }
     points.sectors[i] = projection + blend * (offsets[i] + offsets[next]);
-    if (twist == BodyTwist::SecondFundamentalForm)
+    if (twist == Twist::SecondFundamentalForm)
     {
       const Eigen::Vector2d a = solver.solve(offsets[i]);
       const Eigen::Vector2d b = solver.solve(offsets[next]);

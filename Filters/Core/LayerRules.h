@@ -49,7 +49,7 @@ struct Fan
 /// `twist` chooses the inserted points of sectors at fans other than the regular ones.
 ///
 /// A closed fan needs at least 3 sectors, an open one at least 2.
-Fan smoothFan(const Fan& fan, BodyTwist twist, const std::vector<double>& nearWeight);
+Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight);
 
 /// Rule for a centre that is given: inserted points along spokes between the centre and the values `along[i]` one step
 /// down, in sectors by the regular mask [2/3 1/3] x [2/3 1/3] of the fan's points. `nearWeight` as in smoothFan.
@@ -78,13 +78,13 @@ struct CreasedFan
 /// would have a Jacobian of 0). Groups in which `planarSectors` is set, and all at corners, are anchored; `keptSpokes`
 /// keep their points there one step down; `keeps` as in fadedFan, for the spokes between the features.
 CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const std::vector<bool>& keptSpokes,
-  const std::vector<bool>& planarSectors, BodyTwist twist, const std::vector<double>& nearWeight,
+  const std::vector<bool>& planarSectors, Twist twist, const std::vector<double>& nearWeight,
   const std::vector<SpokeKeep>& keeps);
 
 /// smoothFan, fading into creasedFan along spokes that keep their points. In regular fans the mask across such spokes
 /// becomes fadedMask point by point, so that the rule along them stays as smooth as it was.
 Fan fadedFan(
-  const Fan& fan, BodyTwist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps);
+  const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps);
 
 /// Fan of an extraordinary body vertex whose projection point and unit normal on the given surface are known
 /// (method 5.38 to 5.41 with the twist from the second fundamental form): the centre is `projection`, the neighbours are
@@ -92,7 +92,7 @@ Fan fadedFan(
 /// P + x_n (a + b) + n II(a, b) with II estimated on the fan. `normal` may point to either side.
 /// Closed fans of at least 3 sectors only. Orthogonal projection does not commute with affine maps other than
 /// similarities.
-Fan projectedFan(const Fan& fan, const Vec3& projection, const Vec3& normal, BodyTwist twist);
+Fan projectedFan(const Fan& fan, const Vec3& projection, const Vec3& normal, Twist twist);
 
 /// Unit normal of the Catmull-Clark limit surface at the centre of a closed smooth fan (4.18), zero where the limit
 /// tangents are parallel. Its sign follows the sense of the fan.

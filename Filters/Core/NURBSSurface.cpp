@@ -35,20 +35,65 @@ int findSpan(int degree, const std::vector<double>& knots, double u)
   return static_cast<int>(next - knots.begin()) - 1;
 }
 
+/// Values and first two derivatives of the functions that are not zero at u: recurrence (2.5), which passes through the
+/// functions of the two degrees below, and (2.7) applied to those. A basis without derivatives costs as much, so it is
+/// not told apart.
 void basisAt(int degree, const std::vector<double>& knots, double u, Basis& basis)
 {
   const int span = findSpan(degree, knots, u);
-  double left[MaxOrder];
-  double right[MaxOrder];
-  for (int j = 1; j <= degree; ++j)
-  {
-    left[j] = u - knots[span + 1 - j];
-    right[j] = knots[span + j] - u;
-  }
+  const double* t = knots.data() + span;
   basis.first = span - degree;
-  for (int order = 0; order < 3; ++order)
+  double* n = basis.values[0];
+  double* first = basis.values[1];
+  double* second = basis.values[2];
+  // inverse[r] = 1 / (t[r + 1] - t[r + 1 - k]), the support that function r of degree k - 1 shares with its neighbour.
+  double inverse[MaxOrder];
+  n[0] = 1.0;
+  second[0] = 0.0;
+  for (int k = 1; k <= degree; ++k)
   {
-    basisFunctions(degree, order, left, right, basis.values[order]);
+    const bool before = k == degree;
+    for (int r = 0; r < k; ++r)
+    {
+      inverse[r] = 1.0 / (t[r + 1] - t[r + 1 - k]);
+    }
+    const auto differentiate = [&](const double* lower, double* upper) {
+      double saved = 0.0;
+      for (int r = 0; r < k; ++r)
+      {
+        const double slope = k * (lower[r] * inverse[r]);
+        upper[r] = saved - slope;
+        saved = slope;
+      }
+      upper[k] = saved;
+    };
+    if (before && k > 1)
+    {
+      // `second` holds the first derivatives of degree - 1.
+      double slopes[MaxOrder];
+      std::copy(second, second + k, slopes);
+      differentiate(slopes, second);
+    }
+    else if (before)
+    {
+      std::fill(second, second + 2, 0.0);
+    }
+    if (before)
+    {
+      differentiate(n, first);
+    }
+    else if (k == degree - 1)
+    {
+      differentiate(n, second);
+    }
+    double saved = 0.0;
+    for (int r = 0; r < k; ++r)
+    {
+      const double part = n[r] * inverse[r];
+      n[r] = saved + (t[r + 1] - u) * part;
+      saved = (u - t[r + 1 - k]) * part;
+    }
+    n[k] = saved;
   }
 }
 

@@ -204,11 +204,11 @@ std::vector<QuadflowBoundaryName> numberedBoundaries(const QuadflowInput& input)
   {
     if (id < 1)
     {
-      throw Error("boundary '" + name + "': the id " + std::to_string(id) + " is not positive");
+      throw Error("Boundary Ids: the id " + std::to_string(id) + " of '" + name + "' is not positive");
     }
     if (!given.emplace(name, id).second || !used.insert(id).second)
     {
-      throw Error("boundary '" + name + "': the name or the id " + std::to_string(id) + " is given twice");
+      throw Error("Boundary Ids: '" + name + "' or its id " + std::to_string(id) + " is given twice");
     }
   }
   std::vector<QuadflowBoundaryName> result;
@@ -263,7 +263,7 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input)
       wholeFaces(input.volumes, contact.blockA, contact.faceA, contact.blockB, contact.faceB, contact.orientation);
     all.interfaces.push_back({ contact, cgnsTransform(contact.faceA, contact.faceB, contact.orientation) });
   }
-  const SharedEntities entities = sharedEntities(blocks, contacts);
+  const SharedEntities entities = sharedEntities(blocks, contacts, label);
 
   all.boundaryNames = numberedBoundaries(input);
   std::vector<int> boundaryOf(6 * static_cast<std::size_t>(blocks), -1);
@@ -291,7 +291,12 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input)
     }
     block.vertices = shared.vertices;
     block.edges = shared.edges;
-    block.edgeReversed = shared.edgeReversed;
+    for (int e = 0; e < 12; ++e)
+    {
+      // Edges of the format run from the vertex with the lower id.
+      const auto& ends = entities.edges[shared.edges[e]].vertices;
+      block.edgeReversed[e] = shared.edgeReversed[e] != (ends[0] > ends[1]);
+    }
     block.faces = shared.faces;
     block.faceOrientations = shared.faceOrientations;
     for (int corner = 0; corner < 8; ++corner)
@@ -312,7 +317,8 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input)
   for (const SharedEntities::Edge& shared : entities.edges)
   {
     QuadflowEdge edge;
-    edge.vertices = shared.vertices;
+    const auto ends = std::minmax(shared.vertices[0], shared.vertices[1]);
+    edge.vertices = { ends.first, ends.second };
     edge.cells = all.blocks[shared.block].cells[edgeDirection(shared.edge)];
     edge.kind =
       edgeClass(shared, input.volumes[shared.block], input.rules.empty() ? nullptr : input.rules[shared.block]);
@@ -492,7 +498,8 @@ private:
     }
     try
     {
-      return sharedEntities(static_cast<int>(this->All.blocks.size()), contacts);
+      return sharedEntities(static_cast<int>(this->All.blocks.size()), contacts,
+        [this](int block) { return this->blockName(block); });
     }
     catch (const Error& error)
     {

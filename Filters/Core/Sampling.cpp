@@ -375,7 +375,7 @@ std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const st
 {
   if (level < 0 || level > MaxSamplingLevel)
   {
-    throw Error(name + ": level " + std::to_string(level) + " is not in 0.." + std::to_string(MaxSamplingLevel));
+    throw Error(name + ": Level " + std::to_string(level) + " is not in 0.." + std::to_string(MaxSamplingLevel));
   }
   std::array<int, 3> counts;
   double bytes = 3 * sizeof(double);
@@ -386,7 +386,7 @@ std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const st
     bytes *= static_cast<double>(count);
     if (count > std::numeric_limits<int>::max() || bytes > 9e18)
     {
-      throw Error(name + ": level " + std::to_string(level) + " has too many samples");
+      throw Error(name + ": Level " + std::to_string(level) + " has too many samples");
     }
     counts[d] = static_cast<int>(count);
   }

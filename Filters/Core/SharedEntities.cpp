@@ -3,8 +3,6 @@
 
 #include "UnionFind.h"
 
-#include <algorithm>
-
 namespace bsv
 {
 
@@ -27,7 +25,8 @@ bool atBoundary(const SharedEntities& all, int block, int edge)
 
 } // namespace
 
-SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfaces)
+SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfaces,
+  const std::function<std::string(int block)>& blockName)
 {
   UnionFind corners(8 * Index(blocks));
   // Item 2 e is edge e in its own direction, 2 e + 1 the same edge reversed.
@@ -44,7 +43,7 @@ SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfac
     {
       if (partner[face] != -1 || a == b)
       {
-        throw Error("face " + std::to_string(face % 6) + " of block " + std::to_string(face / 6) +
+        throw Error(blockName(face / 6) + " face " + std::to_string(face % 6) +
           (a == b ? " meets itself" : " is in two interfaces"));
       }
     }
@@ -69,15 +68,15 @@ SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfac
       {
         const auto start = mapFacePoint(o, axis == 0 ? 0 : side, axis == 0 ? side : 0, 1, 1);
         const bool turned = start[axisB] == 1;
-        const int edgeA = faceEdge(contact.faceA, axis, side);
-        const Index one = 12 * Index(contact.blockA) + edgeA;
+        const Index one = 12 * Index(contact.blockA) + faceEdge(contact.faceA, axis, side);
         const Index two = 12 * Index(contact.blockB) + faceEdge(contact.faceB, axisB, start[1 - axisB]);
         edges.unite(2 * one, 2 * two + (turned ? 1 : 0));
         edges.unite(2 * one + 1, 2 * two + (turned ? 0 : 1));
         if (edges.find(2 * one) == edges.find(2 * one + 1))
         {
-          throw Error(
-            "edge " + std::to_string(edgeA) + " of block " + std::to_string(contact.blockA) + " meets itself reversed");
+          throw Error("the contact of " + blockName(contact.blockA) + " face " + std::to_string(contact.faceA) +
+            " and " + blockName(contact.blockB) + " face " + std::to_string(contact.faceB) +
+            " joins an edge to itself in reverse");
         }
       }
     }
@@ -111,27 +110,24 @@ SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfac
   }
 
   ids.assign(12 * static_cast<std::size_t>(blocks), -1);
-  std::vector<char> againstRoot; // per edge: whether it runs against the first block edge that has it
   for (int i = 0; i < 12 * blocks; ++i)
   {
     SharedEntities::Block& block = all.blocks[i / 12];
-    const Index root = edges.find(2 * Index(i)) / 2;
-    const bool turned = edges.find(2 * Index(i)) % 2 != 0;
+    // The smallest item of a class is its first block edge in its own direction.
+    const Index item = edges.find(2 * Index(i));
+    const Index root = item / 2;
     if (root == i)
     {
       ids[root] = static_cast<int>(all.edges.size());
       SharedEntities::Edge edge;
       edge.block = i / 12;
       edge.edge = i % 12;
-      const int v0 = block.vertices[edgeCorner(i % 12, 0)];
-      const int v1 = block.vertices[edgeCorner(i % 12, 1)];
-      edge.vertices = { std::min(v0, v1), std::max(v0, v1) };
-      againstRoot.push_back(v0 > v1);
+      edge.vertices = { block.vertices[edgeCorner(i % 12, 0)], block.vertices[edgeCorner(i % 12, 1)] };
       all.edges.push_back(edge);
     }
     SharedEntities::Edge& edge = all.edges[ids[root]];
     block.edges[i % 12] = ids[root];
-    block.edgeReversed[i % 12] = turned != (againstRoot[ids[root]] != 0);
+    block.edgeReversed[i % 12] = item % 2 != 0;
     ++edge.uses;
     edge.boundary = edge.boundary || atBoundary(all, i / 12, i % 12);
   }

@@ -5,14 +5,16 @@
 
 #include "BlockMesh.h"
 
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace bsv
 {
 
 /// The entities of all blocks after gluing. Ids count from 0, in the order in which the blocks' own corners, edges and
-/// faces first name them. An edge runs from its vertex with the lower id to the other; an edge that is closed on itself
-/// runs as in the first block that has it. A face has the axes of the first block face that has it.
+/// faces first name them. An edge runs as the first block edge that has it, a face has the axes of the first block face
+/// that has it.
 struct SharedEntities
 {
   struct Block
@@ -48,7 +50,10 @@ struct SharedEntities
 
 /// Only the blocks, faces and orientation codes of the interfaces are used, not their ranges. Blocks may meet
 /// themselves and each other more than once.
+/// @param blockName how errors call a block
 /// @throws Error if a block face is in two interfaces or meets itself, or an edge meets itself reversed.
-SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfaces);
+SharedEntities sharedEntities(
+  int blocks, const std::vector<Interface>& interfaces,
+  const std::function<std::string(int block)>& blockName = [](int block) { return "block " + std::to_string(block); });
 
 } // namespace bsv

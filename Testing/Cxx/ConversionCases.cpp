@@ -35,6 +35,12 @@ Converted convert(const bsv::BlockMesh& mesh, const bsv::ConversionOptions& opti
 {
   Converted result;
   result.complex = bsv::buildBlockComplex(mesh, complexOptions, run);
+  convertComplex(result, options, run);
+  return result;
+}
+
+void convertComplex(Converted& result, const bsv::ConversionOptions& options, const bsv::Execution& run)
+{
   std::vector<bsv::ControlNetStorage> nets;
   for (const bsv::ComplexBlock& block : result.complex.blocks)
   {
@@ -56,7 +62,6 @@ Converted convert(const bsv::BlockMesh& mesh, const bsv::ConversionOptions& opti
     nets.push_back({ result.points[b].data(), result.rules[b].data() });
   }
   result.report = bsv::convertToBSplineVolume(result.complex, options, nets, run);
-  return result;
 }
 
 bsv::Execution twoThreads()

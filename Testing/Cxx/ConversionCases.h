@@ -34,6 +34,9 @@ struct Converted
 Converted convert(const bsv::BlockMesh& mesh, const bsv::ConversionOptions& options = {},
   const bsv::BlockComplexOptions& complexOptions = {}, const bsv::Execution& run = {});
 
+/// The conversion of `result.complex`.
+void convertComplex(Converted& result, const bsv::ConversionOptions& options, const bsv::Execution& run = {});
+
 /// Runs loops on two threads, in small ranges.
 bsv::Execution twoThreads();
 

@@ -44,7 +44,8 @@ public:
   {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     this->Path = std::filesystem::temp_directory_path() /
-      (std::string("bsv-") + test->test_suite_name() + "-" + test->name() + "-" + std::to_string(std::random_device()()));
+      (std::string("bsv-") + test->test_suite_name() + "-" + test->name() + "-" +
+        std::to_string(std::random_device()()));
     std::filesystem::create_directories(this->Path);
   }
   ~TemporaryFolder() { std::filesystem::remove_all(this->Path); }

@@ -2,6 +2,7 @@
 /// The block complex: topology known from the geometry, independence of numbering and orientation, cuts, welding and
 /// refusals.
 #include "BlockComplex.h"
+#include "EntityClass.h"
 #include "MeshCases.h"
 
 #include <gtest/gtest.h>
@@ -251,7 +252,7 @@ struct Named
 {
   std::string name;
   MeshCase mesh;
-  std::map<int, int> curves;
+  std::map<int, Index> curves;
   int singular;
   int euler;
 };
@@ -266,7 +267,7 @@ std::vector<Named> cases()
   result.push_back({ "L-shape", lShape(2), {}, 0, 1 });
   for (int valence : { 3, 4, 5, 6, 7, 8 })
   {
-    std::map<int, int> curves;
+    std::map<int, Index> curves;
     if (valence != 4)
     {
       curves[valence] = 1;
@@ -303,8 +304,9 @@ TEST(BlockComplex, HasTheTopologyOfTheGeometry)
     SCOPED_TRACE(named.name);
     const BlockComplex c = build(named.mesh);
     expectConsistent(c);
-    EXPECT_EQ(extraordinaryCurves(c), named.curves);
-    EXPECT_EQ(int(singularNodes(c).size()), named.singular);
+    const EntityClasses classes = classifyEntities(c);
+    EXPECT_EQ(classes.extraordinaryCurves, named.curves);
+    EXPECT_EQ(classes.singularNodes, named.singular);
     EXPECT_EQ(eulerCharacteristic(c), named.euler);
     EXPECT_EQ(c.tangledCells, 0);
     EXPECT_TRUE(c.weldedPoints.empty());
@@ -409,6 +411,7 @@ TEST(BlockComplex, KnowsAllOrientationsOfABlock)
     EXPECT_EQ(signature(c), expected);
     EXPECT_EQ(c.blocks[1].leftHanded, orientation >= OrientationCount);
     EXPECT_EQ(c.warnings.size(), orientation >= OrientationCount ? 1u : 0u);
+    EXPECT_TRUE(c.notes.empty());
     EXPECT_EQ(c.tangledCells, 0);
   }
 }
@@ -500,8 +503,9 @@ TEST(BlockComplex, CutsPartialContactsAndCarriesTheCutsOn)
   EXPECT_EQ(c.blocks[1].offset, (Ijk{ 1, 0, 0 }));
   EXPECT_EQ(c.blocks[2].name, "Block 1");
   EXPECT_EQ(c.blocks[4].name, "Block 3.0");
-  ASSERT_EQ(c.warnings.size(), 1u);
-  expectMessage(c.warnings[0], { "2 blocks were split", "\"wing\" into 2", "block 3 into 2" });
+  EXPECT_TRUE(c.warnings.empty());
+  ASSERT_EQ(c.notes.size(), 1u);
+  expectMessage(c.notes[0], { "2 blocks were split", "\"wing\" into 2", "block 3 into 2" });
   // The pieces are windows on the points of the mesh.
   EXPECT_EQ(c.blocks[1].points.address<double>(0, 0, 0), mesh.blocks[0].at({ 1, 0, 0 }).data());
 }
@@ -919,12 +923,12 @@ TEST(BlockComplex, RefusesOptionsOutOfRange)
   const MeshCase box = cutBox({ 1, 1, 1 });
   BlockComplexOptions options;
   options.matchTolerance = 0.5;
-  expectMessage(errorOf(box, options), { "match tolerance 0.5" });
+  expectMessage(errorOf(box, options), { "Match Tolerance 0.5 is not between 0 and 0.5" });
   options.matchTolerance = std::numeric_limits<double>::quiet_NaN();
-  expectMessage(errorOf(box, options), { "match tolerance nan" });
+  expectMessage(errorOf(box, options), { "Match Tolerance nan" });
   options = {};
   options.creaseAngle = -1.0;
-  expectMessage(errorOf(box, options), { "crease angle -1" });
+  expectMessage(errorOf(box, options), { "Crease Angle -1" });
 }
 
 TEST(BlockComplex, RefusesMoreThanAMillionPieces)

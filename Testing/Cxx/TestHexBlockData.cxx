@@ -31,8 +31,8 @@ namespace
 
 MeshCase partialContacts()
 {
-  MeshCase mesh =
-    meshcases::latticeBlocks({ { { 0, 0, 0 }, { 2, 4, 3 } }, { { 2, 0, 0 }, { 5, 2, 3 } }, { { 2, 2, 0 }, { 4, 4, 3 } } });
+  MeshCase mesh = meshcases::latticeBlocks(
+    { { { 0, 0, 0 }, { 2, 4, 3 } }, { { 2, 0, 0 }, { 5, 2, 3 } }, { { 2, 2, 0 }, { 4, 4, 3 } } });
   mesh.boundaryNames = { "wall", "far field" };
   meshcases::declareAll(mesh, 1);
   mesh.creases.push_back({ 1, { 0, 1, 0 }, { 3, 1, 0 } });

@@ -209,7 +209,7 @@ TEST(LimitMasks, AgreeWithOpenSubdivsRefinement)
     {
       const Fan fan = bumpyFan(true, valence, seed);
       const Limit limit = refinedLimit(fan, false, 4);
-      const Fan rule = smoothFan(fan, BodyTwist::SecondFundamentalForm, regularWeights(fan));
+      const Fan rule = smoothFan(fan, Twist::SecondFundamentalForm, regularWeights(fan));
       EXPECT_LE((rule.center - limit.position).norm(), 1e-12);
       const Vec3 normal = unitNormal(limit.tangent1, limit.tangent2);
       EXPECT_LE((limitNormal(fan) - normal).norm(), 1e-12) << "valence " << valence;
@@ -240,7 +240,7 @@ TEST(LimitMasks, AgreeWithOpenSubdivsRefinementOnCreasesAndCorners)
     const double error = (unitNormal(crease.tangent1, crease.tangent2) - normal).norm();
     const double finerError = (unitNormal(finer.tangent1, finer.tangent2) - normal).norm();
     EXPECT_LE(finerError, sectors == 2 ? 1e-12 : 0.5 * error);
-    const Fan rule = smoothFan(fan, BodyTwist::SecondFundamentalForm, regularWeights(fan));
+    const Fan rule = smoothFan(fan, Twist::SecondFundamentalForm, regularWeights(fan));
     EXPECT_LE((rule.center - crease.position).norm(), 1e-12);
     for (int i = 0; i <= sectors; ++i)
     {
@@ -277,7 +277,7 @@ TEST(LayerRules, FanOfFourIsTheTensorProduct)
     }
     return sum;
   };
-  const Fan rule = smoothFan(fan, BodyTwist::SecondFundamentalForm, regularWeights(fan));
+  const Fan rule = smoothFan(fan, Twist::SecondFundamentalForm, regularWeights(fan));
   EXPECT_LE((rule.center - tensor(M, M)).norm(), 1e-15);
   EXPECT_LE((rule.spokes[0] - tensor(m, M)).norm(), 1e-15);
   EXPECT_LE((rule.spokes[1] - tensor(M, m)).norm(), 1e-15);
@@ -292,7 +292,7 @@ TEST(LayerRules, SameBitsWhereverTheFanStarts)
     {
       const Fan fan = bumpyFan(closed, sectors, 40 + sectors);
       std::vector<double> weights = regularWeights(fan);
-      for (const BodyTwist twist : { BodyTwist::SecondFundamentalForm, BodyTwist::Parallelogram, BodyTwist::Mask })
+      for (const Twist twist : { Twist::SecondFundamentalForm, Twist::Parallelogram, Twist::Mask })
       {
         const Fan rule = smoothFan(fan, twist, weights);
         const Vec3 normal = Vec3(0.1, -0.2, 1.0).normalized();
@@ -337,7 +337,7 @@ TEST(LayerRules, TwistFollowsTheSecondFundamentalForm)
       fan.sectors.push_back(height(direction(i) + direction(i + 1)));
     }
     const Vec3 normal(0, 0, 1);
-    const Fan rule = projectedFan(fan, Vec3::Zero(), normal, BodyTwist::SecondFundamentalForm);
+    const Fan rule = projectedFan(fan, Vec3::Zero(), normal, Twist::SecondFundamentalForm);
     for (int i = 0; i < valence; ++i)
     {
       const Vec3 a = rule.spokes[i], b = rule.spokes[fan.nextSpoke(i)];
@@ -352,7 +352,7 @@ TEST(LayerRules, ProjectedFanTouchesTheGivenSurface)
   const Fan fan = bumpyFan(true, 5, 3);
   const Vec3 normal = Vec3(0.2, 0.1, 1.0).normalized();
   const Vec3 projection(0.02, -0.01, 0.2);
-  const Fan rule = projectedFan(fan, projection, normal, BodyTwist::SecondFundamentalForm);
+  const Fan rule = projectedFan(fan, projection, normal, Twist::SecondFundamentalForm);
   EXPECT_EQ(rule.center, projection);
   for (const Vec3& x : rule.spokes)
   {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Damaged files: each must end in exactly one error that names the file, the place and the value, and in an empty output.
+// Damaged files: each must end in exactly one error that names the file, the place and the value, and in an empty
+// output.
 #include "MeshFiles.h"
 
 #include <vtkPartitionedDataSetCollection.h>
@@ -138,7 +139,8 @@ TEST(MalformedMeshes, Binary)
   const std::vector<BadFile> files = {
     { "zero size", patched(fortran, 16, 0), { "block 1", "0 x 3 x 3", "offset 16" } },
     { "negative size", patched(fortran, 32, -3), { "block 2", "3 x -3 x 3", "offset 28" } },
-    { "huge size", patched(fortran, 16, 2000000000), { "block 1", "2000000000 x 3 x 3", "432000000000", "1312 are left" } },
+    { "huge size", patched(fortran, 16, 2000000000),
+      { "block 1", "2000000000 x 3 x 3", "432000000000", "1312 are left" } },
     { "all sizes huge", patched(patched(patched(fortran, 16, 2000000000), 20, 2000000000), 24, 2000000000),
       { "block 1", "9e18" } },
     { "a point less than the file", patched(fortran, 16, 2), { "648", "432", "offset 44" } },
@@ -183,7 +185,7 @@ TEST(MalformedMeshes, NoFile)
   expectParts(refusal(folder / "empty.xyz"), { "empty.xyz", "empty" }, "empty file");
   expectParts(refusal(folder / "missing.xyz"), { "missing.xyz", "no such file" }, "missing file");
   expectParts(refusal(folder / ""), { "not a regular file" }, "folder");
-  expectParts(refusal(""), { "FileName" }, "no name");
+  expectParts(refusal(""), { "File Name" }, "no name");
   EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile((folder / "empty.xyz").c_str()), 0);
   EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile((folder / "missing.xyz").c_str()), 0);
   EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile((folder / "").c_str()), 0);

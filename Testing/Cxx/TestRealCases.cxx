@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Third-party meshes of the folder in the environment variable BSV_SHARED_DATA; skipped where it is not present.
 #include "ConversionCases.h"
+#include "EntityClass.h"
 #include "HexBlockData.h"
 #include "MeshCases.h"
 
@@ -31,7 +32,7 @@ namespace
 struct RealCase
 {
   const char* file;
-  std::map<int, int> curves;
+  std::map<int, Index> curves;
   Index singularNodes;
 };
 
@@ -111,7 +112,9 @@ TEST_P(RealCases, AreWatertightAndC2WhereRegular)
   const auto start = std::chrono::steady_clock::now();
   const Converted converted = convert(mesh.mesh(), optionsOf(mesh));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  EXPECT_EQ(extraordinaryCurves(converted.complex), this->GetParam().curves);
+  const EntityClasses classes = classifyEntities(converted.complex);
+  EXPECT_EQ(classes.extraordinaryCurves, this->GetParam().curves);
+  EXPECT_EQ(classes.singularNodes, this->GetParam().singularNodes);
   EXPECT_EQ(converted.report.singularNodes, this->GetParam().singularNodes);
   const auto jumps = conversioncases::interfaceJumps(converted);
   EXPECT_EQ(jumps.openControlPoints, 0);
@@ -125,7 +128,7 @@ TEST_P(RealCases, AreWatertightAndC2WhereRegular)
     points += static_cast<Index>(rules.size());
   }
   std::string curves;
-  for (const auto& [valence, count] : extraordinaryCurves(converted.complex))
+  for (const auto& [valence, count] : classes.extraordinaryCurves)
   {
     curves += (curves.empty() ? "" : ", ") + std::to_string(valence) + ": " + std::to_string(count);
   }
@@ -146,7 +149,8 @@ TEST_P(RealCases, SameBitsForAnyNumberingOrientationAndThreads)
     MeshCase other = mesh;
     meshcases::shuffle(other, seed, seed == 2);
     const auto run = seed == 1 ? conversioncases::twoThreads() : Execution{};
-    EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), optionsOf(mesh), {}, run)) == reference) << "seed " << seed;
+    EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), optionsOf(mesh), {}, run)) == reference)
+      << "seed " << seed;
   }
 }
 
@@ -162,7 +166,8 @@ TEST_P(RealCases, SameBitsForEachOfThe24Orientations)
     {
       meshcases::reorient(other, block, (orientation + 7 * block) % meshcases::OrientationCount);
     }
-    EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), optionsOf(mesh))) == reference) << "orientation " << orientation;
+    EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), optionsOf(mesh))) == reference)
+      << "orientation " << orientation;
   }
 }
 

@@ -52,7 +52,7 @@ def check_chain(folder):
 
 
 def client(port):
-    simple.Connect("localhost", port)
+    simple.Connect("127.0.0.1", port)
     for remote in (True, False):
         simple.LoadPlugin(os.environ["BSV_PLUGIN"], remote=remote, ns=simple.__dict__)
     with tempfile.TemporaryDirectory() as folder:

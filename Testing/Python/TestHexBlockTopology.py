@@ -209,8 +209,20 @@ def test_real_meshes():
         check_incidence(data, proxy.NumberOfBlocks)
 
 
+def test_warnings_are_about_the_mesh():
+    _, warnings = update(topology(grid((2, 2, 2), lambda i, j, k: (-i, j, k))))
+    assert len(warnings) == 1 and "left-handed" in warnings[0]
+    # One block over two of unequal extent: cut, which is no reason to warn.
+    proxy = topology(collection([grid((4, 2, 2), lambda i, j, k: (i, j, k)),
+                                 grid((1, 2, 2), lambda i, j, k: (i, j, k + 2)),
+                                 grid((3, 2, 2), lambda i, j, k: (i + 1, j, k + 2))]))
+    _, warnings = update(proxy)
+    proxy.UpdatePropertyInformation()
+    assert not warnings and "1 block was split" in proxy.Report
+
+
 def test_errors():
-    assert "tolerance" in failure(topology(regular_mesh(1, 1), MatchTolerance=0.5)).lower()
+    assert "Match Tolerance 0.5 is not" in failure(topology(regular_mesh(1, 1), MatchTolerance=0.5))
     moved = collection([grid((2, 2, 2), lambda i, j, k: (i, j, k)),
                         grid((2, 2, 2), lambda i, j, k: (i, j + 0.3 * (j == 1 and i == 2), k), (2, 0, 0))])
     assert "block" in failure(topology(moved)).lower()

@@ -144,7 +144,7 @@ def test_what_cannot_be_written():
         mesh = demo_mesh(8)
         errors = write_errors(file, mesh)
         assert len(errors) == 1 and "is no B-spline volume" in errors[0], errors
-        assert "FileName is empty" in write_errors("")[0]
+        assert "File Name is empty" in write_errors("")[0]
         assert "No such file" in write_errors(os.path.join(path, "no", "a.qfmb"))[0]
 
         before, _ = update(DEMO)

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file BodyFit.h
+/// Makes the mesh of a body its Catmull-Clark control mesh: moves the wall's points so that their limit points lie where
+/// the wall's points were, or on the given body.
+///
+/// Points of ordinary flow meshes lie on the body. Taken as control points they would shrink it by about curvature h^2 / 6.
+#pragma once
+
+#include "ClosestPoint.h"
+#include "Conversion.h"
+
+namespace bsv
+{
+
+struct BodyFitOptions
+{
+  /// The body, or null: limit points then lie on the given points.
+  const BodySurface* body = nullptr;
+  /// The iteration stops when no limit point is farther from its target than this fraction of the wall's bounding-box
+  /// diagonal. Range (0, 1).
+  double tolerance = 1e-13;
+  /// At most so many steps; at least 1.
+  int iterations = 200;
+  /// The displacement of a wall point is carried along its mesh line into the layers by the weight
+  /// max(0, 1 - d / (range h)), d the distance from the wall, h the local edge length on it (method: thin layers would
+  /// fold). At least 0.
+  double range = 8.0;
+};
+
+struct BodyFitReport
+{
+  Index wallPoints = 0;
+  int iterations = 0;
+  /// Largest distance of a limit point from its target, before and after.
+  double initialResidual = 0.0;
+  double residual = 0.0;
+  /// Largest displacement of a wall point.
+  double displacement = 0.0;
+};
+
+/// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it. The
+/// blocks' views point into new memory owned by `complex` afterwards, where anything moved.
+///
+/// The system L p = t, L the limit masks (3.31), creases and corners as in the conversion, is solved by Chebyshev
+/// iteration (Golub, Varga 1961) without scalar products, so that results are the same bits for any numbering and
+/// orientation of the blocks.
+/// @throws Error if it does not converge, or for options out of range; Aborted.
+BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options,
+  const Execution& run = {});
+
+} // namespace bsv

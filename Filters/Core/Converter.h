@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Converter.h
+/// The conversion of one block complex, entity by entity: behind convertToBSplineVolume().
+///
+/// The control points of a block are those of its interior, copied, and those near its faces, edges and vertices, which
+/// other blocks may share. Where the rules of each kind are:
+/// - Conversion.cpp: blocks and faces, the regular rule across one face;
+/// - EdgeConversion.cpp: the layers of quadrilaterals across an edge;
+/// - VertexConversion.cpp: the star of a vertex, where layers of several directions meet;
+/// - SurfaceConversion.cpp: the outer surface around a boundary vertex.
+#pragma once
+
+#include "Conversion.h"
+#include "EdgeFans.h"
+#include "EntityRules.h"
+#include "LayerRules.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <vector>
+
+namespace bsv
+{
+
+/// Weight of the nearer point in an inserted point, unless a wall spacing is given.
+constexpr double KnotInsertion = 2.0 / 3.0;
+
+/// @name Positions in the control net of a direction with `cells` mesh cells
+/// From either end 0, 1, .. are the end point and the inserted point; mesh points keep their order between them.
+///@{
+constexpr int endPosition(int side, int fromEnd, int cells)
+{
+  return side == 0 ? fromEnd : cells + 2 - fromEnd;
+}
+constexpr int innerPosition(int meshIndex)
+{
+  return meshIndex + 1;
+}
+///@}
+
+/// Each method computes the control points owned by one kind of entity and writes them into all blocks that share it.
+/// Different entities may be converted at the same time.
+class Converter
+{
+public:
+  Converter(const BlockComplex& complex, const ConversionOptions& options, const std::vector<ControlNetStorage>& nets,
+    const Execution& run)
+    : Complex(complex)
+    , Options(options)
+    , Nets(nets)
+    , Run(run)
+    , Rules(classify(complex, options, run))
+  {
+  }
+
+  ConversionReport convert();
+
+private:
+  struct Star;
+  struct StackAxes;
+
+  /// @name Control points owned by the interior of a block, face, edge, and by a vertex
+  ///@{
+  void convertBlock(int block, int slab);
+  void convertFace(int face);
+  void convertEdge(int edge);
+  void convertVertex(int vertex);
+  ///@}
+
+  /// @name Layers of quadrilaterals across an edge
+  ///@{
+  /// Mesh points of layer k.
+  Fan meshFan(const EdgeFan& fan, int k) const;
+  /// Control points of layer k, before the rule along the edge.
+  Fan controlFan(int edge, const EdgeFan& fan, int k) const;
+  /// Weight of the edge in the inserted points along each spoke.
+  std::vector<double> nearWeights(const EdgeFan& fan) const;
+  /// How far the faces behind the spokes keep their points in layer k.
+  std::vector<SpokeKeep> spokeKeeps(const EdgeFan& fan, int k) const;
+  /// FaceRule::keep of a block's face at a mesh point.
+  double keepAt(int block, int face, const Ijk& point) const;
+  ///@}
+
+  /// @name Star of a vertex: the results go into the star
+  ///@{
+  Star makeStar(int vertex) const;
+  /// Control points of the layer k steps away from the vertex, across a star edge.
+  Fan starLayer(const Star& star, int starEdge, int k) const;
+  /// Tensor product of the masks, if all around the vertex is regular; otherwise does nothing and returns false.
+  bool convertRegular(Star& star) const;
+  /// Blocks in two stacks (or one, at the boundary) around an axis: the rule across the layers after the rule in them.
+  /// Returns false, with the star unchanged, if the blocks do not lie so.
+  bool convertStacked(Star& star) const;
+  StackAxes stackAxes(const Star& star) const;
+  bool areStacked(const Star& star, int up, int down) const;
+  /// Everything else: inserted points between the centre, which is given, and the layers around it.
+  void convertAnchored(Star& star) const;
+  void writeStar(const Star& star) const;
+  ///@}
+
+  /// @name The outer surface around a boundary vertex: centre, inserted points on boundary edges and faces
+  ///@{
+  void convertSurface(Star& star) const;
+  void convertTouchingSurfaces(Star& star) const;
+  /// Smooth fan; on the body with the given projection point and normal, if there are any.
+  Fan smoothSurfaceFan(const Star& star, const Fan& fan, const std::vector<double>& weights,
+    const std::vector<SpokeKeep>& keeps, bool body) const;
+  ///@}
+
+  bool isWall(int face) const
+  {
+    return this->Complex.faces[face].boundary() && this->Rules.faces[face].role == BoundaryRole::Body;
+  }
+  Index index(int block, const Ijk& position) const
+  {
+    const ComplexBlock& owner = this->Complex.blocks[block];
+    return position[0] + Index(owner.cells(0) + 3) * (position[1] + Index(owner.cells(1) + 3) * position[2]);
+  }
+  void write(int block, const Ijk& position, const Vec3& point, ControlPointRule rule) const
+  {
+    const Index i = this->index(block, position);
+    std::copy_n(point.data(), 3, this->Nets[block].points + 3 * i);
+    this->Nets[block].rules[i] = static_cast<std::uint8_t>(rule);
+  }
+
+  const BlockComplex& Complex;
+  const ConversionOptions& Options;
+  const std::vector<ControlNetStorage>& Nets;
+  const Execution& Run;
+  const EntityRules Rules;
+  std::atomic<Index> SingularNodes{ 0 };
+};
+
+/// A vertex star, what the rules must know of it, and the control points that they make.
+struct Converter::Star : VertexStar
+{
+  /// Fan of a star edge; star-block index per sector and star-edge index per spoke.
+  struct EdgeInfo
+  {
+    const EdgeFan* fan = nullptr;
+    std::vector<int> spokes;
+    std::vector<int> sectors;
+    bool whole = true; ///< the edge has one fan only
+  };
+
+  bool boundary = false;
+  std::vector<EdgeInfo> info;
+  /// Weight of the vertex in the inserted point along each star edge.
+  std::vector<double> near;
+  /// Star faces that keep points near the vertex (FaceRule::keep), and how far at the face's point.
+  std::vector<bool> keptFaces;
+  std::vector<double> diagonalKeep;
+
+  /// Control points: the centre, and inserted ones along star edges, in star faces, in star blocks.
+  Vec3 center;
+  std::vector<Vec3> edgePoints, facePoints, blockPoints;
+  ControlPointRule rule = ControlPointRule::Regular;
+  std::vector<ControlPointRule> edgeRules, faceRules, blockRules;
+
+  /// Whether the outer surface, once converted, has no feature here that a rule across layers would have to respect.
+  bool surfaceIsSmooth = false;
+  /// The two star edges of a crease through the vertex, or -1.
+  std::array<int, 2> crease{ -1, -1 };
+
+  bool keepsPoints() const
+  {
+    return std::find(this->keptFaces.begin(), this->keptFaces.end(), true) != this->keptFaces.end();
+  }
+};
+
+/// Star edges in opposite directions around which the blocks are stacked; -1: none.
+struct Converter::StackAxes
+{
+  int up = -1;
+  int down = -1;
+};
+
+} // namespace bsv

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Converter.h"
+
+#include <algorithm>
+
+namespace bsv
+{
+
+Fan Converter::meshFan(const EdgeFan& fan, int k) const
+{
+  Fan result;
+  result.closed = fan.closed;
+  for (const FanSector& sector : fan.sectors)
+  {
+    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    result.center = owner.points(sector.point(owner, k, 0, 0));
+    result.spokes.push_back(owner.points(sector.point(owner, k, 1, 0)));
+    result.sectors.push_back(owner.points(sector.point(owner, k, 1, 1)));
+  }
+  if (!fan.closed)
+  {
+    const ComplexBlock& owner = this->Complex.blocks[fan.sectors.back().block];
+    result.spokes.push_back(owner.points(fan.sectors.back().point(owner, k, 0, 1)));
+  }
+  return result;
+}
+
+std::vector<double> Converter::nearWeights(const EdgeFan& fan) const
+{
+  // A spoke leaves a wall if it borders a sector whose other spoke lies in the wall.
+  std::vector<double> weights(fan.spokeCount(), KnotInsertion);
+  for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
+  {
+    const int next = (i + 1) % fan.spokeCount();
+    if (this->isWall(fan.faceOf(this->Complex, i)))
+    {
+      weights[next] = this->Options.wallSpacing;
+    }
+    if (this->isWall(fan.faceOf(this->Complex, next)))
+    {
+      weights[i] = this->Options.wallSpacing;
+    }
+  }
+  return weights;
+}
+
+double Converter::keepAt(int block, int face, const Ijk& point) const
+{
+  const std::vector<double>& keep = this->Rules.faces[this->Complex.blocks[block].faces[face]].keep;
+  return keep.empty()
+    ? 0.0
+    : keep[keepIndex(this->Complex, block, face, point[faceAxis(face, 0)], point[faceAxis(face, 1)])];
+}
+
+std::vector<SpokeKeep> Converter::spokeKeeps(const EdgeFan& fan, int k) const
+{
+  std::vector<SpokeKeep> keeps(fan.spokeCount());
+  for (int i = 0; i < fan.spokeCount(); ++i)
+  {
+    const auto [sector, which] = fan.spoke(i);
+    const ComplexBlock& owner = this->Complex.blocks[sector->block];
+    const int face = sector->spokeFace(which);
+    keeps[i].center = this->keepAt(sector->block, face, sector->point(owner, k, 0, 0));
+    keeps[i].step = this->keepAt(sector->block, face, sector->point(owner, k, which == 0 ? 1 : 0, which == 0 ? 0 : 1));
+  }
+  return keeps;
+}
+
+Fan Converter::controlFan(int edge, const EdgeFan& fan, int k) const
+{
+  const Fan points = this->meshFan(fan, k);
+  const std::vector<double> weights = this->nearWeights(fan);
+  const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
+  if (!this->Rules.edges[edge].anchored)
+  {
+    return fadedFan(points, this->Options.twist, weights, keeps);
+  }
+  std::vector<Vec3> along = points.spokes;
+  const int sectors = points.sectorCount();
+  for (int i = 0; i < points.spokeCount(); ++i)
+  {
+    const int face = fan.faceOf(this->Complex, i);
+    if (!this->Complex.faces[face].boundary() && !this->Rules.faces[face].planar())
+    {
+      along[i] = fadedMask(
+        points.sectors[(i + sectors - 1) % sectors], points.spokes[i], points.sectors[i % sectors], keeps[i].step);
+    }
+  }
+  return anchoredFan(points, points.center, along, weights);
+}
+
+void Converter::convertEdge(int edge)
+{
+  const ComplexEdge& shared = this->Complex.edges[edge];
+  const EdgeRule& edgeRule = this->Rules.edges[edge];
+  for (const EdgeFan& fan : edgeRule.fans)
+  {
+    const std::vector<double> weights = this->nearWeights(fan);
+    const bool ordinary = edgeRule.rule != ControlPointRule::ExtraordinaryEdge;
+    const auto ruleOf = [&](double weightFirst, double weightSecond) {
+      return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? ControlPointRule::WallLayer
+                                                                                         : edgeRule.rule;
+    };
+    for (int k = 1; k < shared.cells; ++k)
+    {
+      const Fan values = this->controlFan(edge, fan, k);
+      const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
+      const bool keepsAny = std::any_of(keeps.begin(), keeps.end(), [](const SpokeKeep& keep) { return keep.any(); });
+      const auto spokeRule = [&](int i) {
+        return keeps[i].any() ? ControlPointRule::Crease : ruleOf(weights[i], KnotInsertion);
+      };
+      for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
+      {
+        const FanSector& sector = fan.sectors[i];
+        const ComplexBlock& owner = this->Complex.blocks[sector.block];
+        const int next = (i + 1) % fan.spokeCount();
+        const auto put = [&](int a, int b, const Vec3& point, ControlPointRule rule) {
+          Ijk ijk;
+          ijk[sector.along] = innerPosition(sector.reversed ? shared.cells - k : k);
+          ijk[sector.first] = endPosition(sector.side(sector.first), a, owner.cells(sector.first));
+          ijk[sector.second] = endPosition(sector.side(sector.second), b, owner.cells(sector.second));
+          this->write(sector.block, ijk, point, rule);
+        };
+        put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
+        put(1, 0, values.spokes[i], spokeRule(i));
+        put(0, 1, values.spokes[next], spokeRule(next));
+        put(1, 1, values.sectors[i], ruleOf(weights[i], weights[next]));
+      }
+    }
+  }
+}
+
+} // namespace bsv

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Converter.h"
+
+#include <algorithm>
+
+namespace bsv
+{
+
+void Converter::convertSurface(Star& star) const
+{
+  const auto [spokes, sectors] = boundaryRing(star);
+  if (sectors.empty())
+  {
+    this->convertTouchingSurfaces(star);
+    return;
+  }
+  const int n = static_cast<int>(spokes.size());
+  Fan fan;
+  fan.center = star.point;
+  std::vector<double> weights;
+  std::vector<int> features;
+  std::vector<bool> kept, planar;
+  std::vector<SpokeKeep> keeps;
+  bool body = true;
+  for (int i = 0; i < n; ++i)
+  {
+    fan.spokes.push_back(star.edges[spokes[i]].point);
+    fan.sectors.push_back(star.faces[sectors[i]].point);
+    weights.push_back(star.near[spokes[i]]);
+    const VertexStar::Edge& edge = star.edges[spokes[i]];
+    const EdgeRule& edgeRule = this->Rules.edges[edge.edge];
+    if (edgeRule.feature)
+    {
+      features.push_back(i);
+    }
+    kept.push_back(edgeRule.anchored);
+    planar.push_back(this->Rules.faces[star.faces[sectors[i]].face].planar());
+    // A face that rises from a crease and ends in this surface.
+    keeps.emplace_back();
+    const EdgeFan& edgeFan = edgeRule.fans.front();
+    if (edgeRule.fans.size() == 1 && edgeFan.sectors.size() == 2)
+    {
+      const int cells = this->Complex.edges[edge.edge].cells;
+      keeps.back().center = this->spokeKeeps(edgeFan, edge.end == 0 ? 0 : cells)[1].center;
+      keeps.back().step = this->spokeKeeps(edgeFan, edge.end == 0 ? 1 : cells - 1)[1].center;
+    }
+    body = body && this->isWall(star.faces[sectors[i]].face);
+  }
+
+  Fan result = fan;
+  if (planar == std::vector<bool>(n, true))
+  {
+    star.rule = ControlPointRule::PlanarSide;
+    result = creasedFan(fan, {}, kept, planar, this->Options.twist, weights, keeps).points;
+  }
+  else if (features.size() < 2 && n >= 3)
+  {
+    // No feature, or one that ends here (a dart): smooth.
+    star.surfaceIsSmooth = features.empty();
+    result = this->smoothSurfaceFan(star, fan, weights, keeps, body);
+    star.rule = n == 4 ? this->Rules.boundaryRule(star.faces[sectors[0]].face)
+      : body           ? ControlPointRule::BodyExtraordinaryVertex
+                       : ControlPointRule::Boundary;
+  }
+  else
+  {
+    const CreasedFan creased = creasedFan(fan, features, kept, planar, this->Options.twist, weights, keeps);
+    result = creased.points;
+    star.rule = creased.crease ? ControlPointRule::Crease : ControlPointRule::Corner;
+    if (creased.crease)
+    {
+      star.crease = { spokes[features[0]], spokes[features[1]] };
+    }
+  }
+  const bool crease = star.rule == ControlPointRule::Crease;
+  const auto isFeature = [&](int i) { return std::find(features.begin(), features.end(), i) != features.end(); };
+  std::vector<ControlPointRule> spokeRules(n, star.rule), sectorRules(n, star.rule);
+  for (int i = 0; i < n; ++i)
+  {
+    if (planar[i])
+    {
+      sectorRules[i] = ControlPointRule::PlanarSide;
+    }
+    else if (crease)
+    {
+      sectorRules[i] = this->Rules.boundaryRule(star.faces[sectors[i]].face);
+    }
+    if (!isFeature(i) && crease)
+    {
+      spokeRules[i] = sectorRules[i];
+    }
+    if (keeps[i].any() && features.empty())
+    {
+      spokeRules[i] = star.rule = ControlPointRule::Crease;
+    }
+  }
+
+  star.center = result.center;
+  for (int i = 0; i < n; ++i)
+  {
+    star.edgePoints[spokes[i]] = result.spokes[i];
+    star.edgeRules[spokes[i]] = spokeRules[i];
+    star.facePoints[sectors[i]] = result.sectors[i];
+    star.faceRules[sectors[i]] = sectorRules[i];
+  }
+}
+
+void Converter::convertTouchingSurfaces(Star& star) const
+{
+  // Surfaces touch at a point or along an edge: nothing is smooth here.
+  star.rule = ControlPointRule::Corner;
+  for (std::size_t e = 0; e < star.edges.size(); ++e)
+  {
+    if (star.edges[e].boundary)
+    {
+      star.edgePoints[e] = insertMask(star.center, star.edges[e].point, star.near[e]);
+      star.edgeRules[e] = ControlPointRule::Corner;
+    }
+  }
+  for (std::size_t f = 0; f < star.faces.size(); ++f)
+  {
+    if (!star.faces[f].boundary)
+    {
+      continue;
+    }
+    const auto& ends = star.faces[f].edges;
+    const Vec3 corners[4] = { star.center, star.edges[ends[0]].point, star.edges[ends[1]].point, star.faces[f].point };
+    const double weights[2] = { star.near[ends[0]], star.near[ends[1]] };
+    star.facePoints[f] = multilinear(corners, weights, 2);
+    star.faceRules[f] = ControlPointRule::Corner;
+  }
+}
+
+Fan Converter::smoothSurfaceFan(const Star& star, const Fan& fan, const std::vector<double>& weights,
+  const std::vector<SpokeKeep>& keeps, bool body) const
+{
+  if (body && fan.sectorCount() != 4)
+  {
+    const auto givenAt = [&](const std::vector<const double*>& arrays, Vec3& value) {
+      bool found = false;
+      for (const VertexStar::Block& entry : star.blocks)
+      {
+        const ComplexBlock& owner = this->Complex.blocks[entry.block];
+        const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
+        if (!array)
+        {
+          continue;
+        }
+        // Strides of the parent's points are those of its arrays.
+        Index at = 0;
+        for (int d = 0; d < 3; ++d)
+        {
+          at += owner.points.stride(d) *
+            (owner.offset[d] + (cornerSide(entry.corner, d) ? owner.cells(d) : 0));
+        }
+        const Vec3 given(array[3 * at], array[3 * at + 1], array[3 * at + 2]);
+        // Copies may differ in the blocks: the smallest is as good as any and is the same in every order.
+        if (given.allFinite() &&
+          (!found || std::lexicographical_compare(given.data(), given.data() + 3, value.data(), value.data() + 3)))
+        {
+          value = given;
+          found = true;
+        }
+      }
+      return found;
+    };
+    Vec3 projection, normal;
+    const bool hasPoint = givenAt(this->Options.projectedPoints, projection);
+    const bool hasNormal = givenAt(this->Options.surfaceNormals, normal) && normal.norm() > 0.0;
+    if (hasPoint || hasNormal)
+    {
+      if (!hasPoint)
+      {
+        projection = smoothFan(fan, this->Options.twist, weights).center;
+      }
+      return projectedFan(
+        fan, projection, hasNormal ? Vec3(normal.normalized()) : limitNormal(fan), this->Options.twist);
+    }
+  }
+  return fadedFan(fan, this->Options.twist, weights, keeps);
+}
+
+} // namespace bsv

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkNURBSSurfaceReader.h"
+
+#include "FilterExecution.h"
+#include "NURBSFile.h"
+#include "NURBSSurfaceData.h"
+
+#include "vtkErrorCode.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtksys/SystemTools.hxx"
+
+#include <cmath>
+#include <sstream>
+
+vtkStandardNewMacro(vtkNURBSSurfaceReader);
+
+namespace
+{
+
+struct UnitEntry
+{
+  const char* name;
+  double metres;
+};
+
+/// In the order of vtkNURBSSurfaceReader::Unit.
+constexpr UnitEntry Units[] = { { "as in file", 0.0 }, { "metre", 1.0 }, { "centimetre", 1e-2 },
+  { "millimetre", 1e-3 }, { "micrometre", 1e-6 }, { "kilometre", 1e3 }, { "inch", 0.0254 }, { "foot", 0.3048 } };
+
+std::string unitName(double metres)
+{
+  if (!(metres > 0.0))
+  {
+    return "unknown";
+  }
+  for (const UnitEntry& unit : Units)
+  {
+    if (std::abs(unit.metres - metres) <= 1e-9 * metres)
+    {
+      return unit.name;
+    }
+  }
+  std::ostringstream text;
+  text << metres << " metre";
+  return text.str();
+}
+
+void addString(vtkFieldData* fields, const char* name, const std::string& value)
+{
+  vtkNew<vtkStringArray> array;
+  array->SetName(name);
+  array->InsertNextValue(value);
+  fields->AddArray(array);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkNURBSSurfaceReader::vtkNURBSSurfaceReader()
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+//------------------------------------------------------------------------------
+void vtkNURBSSurfaceReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << this->FileName << "\n";
+  os << indent << "LengthUnit: " << this->LengthUnit << "\n";
+  os << indent << "FileUnit: " << this->FileUnit << "\n";
+  os << indent << "TessellationTolerance: " << this->TessellationTolerance << "\n";
+  os << indent << "Format: " << this->Format << "\n";
+  os << indent << "DeclaredUnit: " << this->DeclaredUnit << "\n";
+  os << indent << "NumberOfPatches: " << this->NumberOfPatches << "\n";
+  os << indent << "NumberOfTrimmedPatches: " << this->NumberOfTrimmedPatches << "\n";
+  os << indent << "NumberOfRationalPatches: " << this->NumberOfRationalPatches << "\n";
+  os << indent << "NotRead: " << this->NotRead << "\n";
+}
+
+//------------------------------------------------------------------------------
+int vtkNURBSSurfaceReader::CanReadFile(const char* fileName)
+{
+  const std::string format = fileName ? bsv::formatOfNURBSFile(fileName) : std::string();
+  return !format.empty() && (format == "GoTools g2" || bsv::canReadCADFiles()) ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
+int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
+  this->SetErrorCode(vtkErrorCode::NoError);
+  this->Format.clear();
+  this->DeclaredUnit.clear();
+  this->NotRead.clear();
+  this->NumberOfPatches = this->NumberOfTrimmedPatches = this->NumberOfRationalPatches = 0;
+  if (this->FileName.empty())
+  {
+    vtkErrorMacro("FileName is empty.");
+    this->SetErrorCode(vtkErrorCode::NoFileNameError);
+    return 0;
+  }
+  try
+  {
+    bsv::NURBSFileContent content =
+      bsv::readNURBSFile(this->FileName, this->TessellationTolerance, bsv::filterExecution(this, 0.0, 0.9));
+
+    const double fileUnit = this->FileUnit == AS_IN_FILE ? content.unit : Units[this->FileUnit].metres;
+    double targetUnit = content.unit;
+    if (this->LengthUnit != AS_IN_FILE)
+    {
+      if (!(fileUnit > 0.0))
+      {
+        throw bsv::Error(this->FileName + ": the file declares no unit of length that is known, so LengthUnit = " +
+          Units[this->LengthUnit].name + " needs FileUnit to be set");
+      }
+      targetUnit = Units[this->LengthUnit].metres;
+      // Units have short ratios; with them, a metre is a thousand millimetres to the last bit.
+      const bool grows = fileUnit >= targetUnit;
+      const double ratio = std::round((grows ? fileUnit / targetUnit : targetUnit / fileUnit) * 1e9) / 1e9;
+      for (bsv::BodyPatch& patch : content.patches)
+      {
+        for (bsv::Vec3& point : patch.surface.points)
+        {
+          point = grows ? bsv::Vec3(point * ratio) : bsv::Vec3(point / ratio);
+        }
+      }
+    }
+
+    std::vector<int> vertexPatches;
+    std::vector<bsv::Vec2> vertexParameters;
+    for (const bsv::BodyTessellation::Vertex& vertex : content.tessellation.vertices)
+    {
+      vertexPatches.push_back(vertex.patch);
+      vertexParameters.emplace_back(vertex.u, vertex.v);
+    }
+    const vtkSmartPointer<vtkPolyData> surface = bsv::bodySurface(content.patches, vertexPatches, vertexParameters,
+      content.tessellation.triangles, bsv::filterExecution(this, 0.9, 1.0));
+    bsv::setBody(output, content.patches, content.layers, surface);
+
+    this->Format = content.format;
+    this->DeclaredUnit = unitName(content.unit);
+    this->NumberOfPatches = static_cast<int>(content.patches.size());
+    for (const bsv::BodyPatch& patch : content.patches)
+    {
+      this->NumberOfTrimmedPatches += !patch.loops.empty();
+      this->NumberOfRationalPatches += patch.surface.rational();
+    }
+    vtkNew<vtkStringArray> notRead;
+    notRead->SetName("NotRead");
+    vtkNew<vtkIntArray> notReadCount;
+    notReadCount->SetName("NotReadCount");
+    for (const auto& other : content.others)
+    {
+      notRead->InsertNextValue(other.first);
+      notReadCount->InsertNextValue(other.second);
+      this->NotRead += (this->NotRead.empty() ? "" : ", ") + std::to_string(other.second) + " " + other.first;
+    }
+    vtkFieldData* fields = output->GetFieldData();
+    addString(fields, "Format", this->Format);
+    addString(fields, "DeclaredUnit", this->DeclaredUnit);
+    addString(fields, "LengthUnit", unitName(targetUnit));
+    fields->AddArray(notRead);
+    fields->AddArray(notReadCount);
+    if (!this->NotRead.empty())
+    {
+      vtkWarningMacro(<< this->FileName << ": left out, because they are no surfaces: " << this->NotRead);
+    }
+    if (content.approximated > 0)
+    {
+      vtkWarningMacro(<< this->FileName << ": " << content.approximated
+                      << " faces have no exact NURBS form and were approximated");
+    }
+  }
+  catch (const bsv::Aborted&)
+  {
+    output->Initialize();
+  }
+  catch (const std::exception& error)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< error.what());
+    this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
+                                                                       : vtkErrorCode::FileNotFoundError);
+    return 0;
+  }
+  return 1;
+}

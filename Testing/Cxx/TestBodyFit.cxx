@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BodyFit.h"
+#include "ConversionCases.h"
+#include "MeshCases.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+using namespace bsv;
+using conversioncases::Converted;
+using meshcases::MeshCase;
+
+namespace
+{
+
+/// A body that is no sphere: x = r(d) d on unit directions d (method.md names it for the tests of the body rules).
+double radius(const Vec3& d)
+{
+  return 1.0 + 0.25 * d[0] * d[1] + 0.15 * d[2] * d[2] * d[2] + 0.12 * d[0] * d[1] * d[2] + 0.1 * d[0];
+}
+
+/// Six blocks of layers around the body, the first of thickness `first`, growing by 1.2; the faces k = 0 are the wall.
+MeshCase bodyMesh(int cells, double first, int layers = 8)
+{
+  std::vector<double> radii{ 1.0 };
+  for (int k = 0; k < layers; ++k)
+  {
+    radii.push_back(radii.back() + first * std::pow(1.2, k));
+  }
+  MeshCase mesh = meshcases::sphereBody(cells, radii);
+  mesh.apply([](const Vec3& x) { return Vec3(radius(x.normalized()) * x); });
+  mesh.boundaryNames = { "wall" };
+  for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
+  {
+    mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, 0 });
+  }
+  return mesh;
+}
+
+ConversionOptions wallOptions()
+{
+  ConversionOptions options;
+  options.roles = { BoundaryRole::Body };
+  return options;
+}
+
+/// Converts after fitting.
+Converted convertFitted(const BlockMesh& mesh, const BodyFitOptions& fit, BodyFitReport& report)
+{
+  Converted result;
+  result.complex = buildBlockComplex(mesh);
+  report = fitBody(result.complex, wallOptions(), fit);
+  conversioncases::convertComplex(result, wallOptions());
+  return result;
+}
+
+/// Largest distance from the body along its own radius, sampled on the wall's patches; without the spans within
+/// `margin` of the patches' borders, at which the mesh lines of this case turn.
+double deviation(const Converted& converted, double margin)
+{
+  double worst = 0.0;
+  for (std::size_t b = 0; b < converted.volumes.size(); ++b)
+  {
+    const BSplineVolume& volume = converted.volumes[b];
+    for (const ComplexFace& face : converted.complex.faces)
+    {
+      if (face.tag != 0 || face.uses.front().block != static_cast<int>(b))
+      {
+        continue;
+      }
+      const int f = face.uses.front().face;
+      for (double t = 0.0; t <= volume.count(faceAxis(f, 1)) - 3; t += 0.25)
+      {
+        for (double s = 0.0; s <= volume.count(faceAxis(f, 0)) - 3; s += 0.25)
+        {
+          const auto nearEnd = [&](double value, int axis) {
+            return value < margin || value > volume.count(faceAxis(f, axis)) - 3 - margin;
+          };
+          if (nearEnd(s, 0) || nearEnd(t, 1))
+          {
+            continue;
+          }
+          Vec3 u;
+          u[faceAxis(f, 0)] = s;
+          u[faceAxis(f, 1)] = t;
+          u[faceDirection(f)] = faceSide(f) ? volume.count(faceDirection(f)) - 3 : 0;
+          const Vec3 x = evaluate(volume, u);
+          worst = std::max(worst, std::abs(x.norm() - radius(x.normalized())));
+        }
+      }
+    }
+  }
+  return worst;
+}
+
+/// How far the knots of the wall are from its mesh points. The rules at extraordinary vertices touch the knots next to
+/// them, so those are left out.
+double interpolationError(const Converted& converted, const MeshCase& mesh, int cells)
+{
+  double worst = 0.0;
+  for (int b = 0; b < 6; ++b)
+  {
+    for (int j = 0; j <= cells; ++j)
+    {
+      for (int i = 0; i <= cells; ++i)
+      {
+        const bool nearI = i < 2 || i > cells - 2, nearJ = j < 2 || j > cells - 2;
+        const bool corner = (i == 0 || i == cells) && (j == 0 || j == cells);
+        if (nearI && nearJ && !corner)
+        {
+          continue;
+        }
+        worst = std::max(worst,
+          (evaluate(converted.volumes[b], Vec3(i, j, 0)) - mesh.blocks[b].at({ i, j, 0 })).norm());
+      }
+    }
+  }
+  return worst;
+}
+
+} // namespace
+
+TEST(BodyFit, LimitPointsLieOnTheGivenPoints)
+{
+  const int cells = 6;
+  MeshCase mesh = bodyMesh(cells, 0.05);
+  BodyFitReport report;
+  const Converted converted = convertFitted(mesh.mesh(), {}, report);
+  EXPECT_EQ(report.wallPoints, 6 * cells * cells + 2); // Euler: V = F + 2 on a closed surface of quadrilaterals
+  EXPECT_GT(report.initialResidual, 1e-3);
+  EXPECT_LE(interpolationError(converted, mesh, cells), 1e-12);
+}
+
+// Smooth mesh lines on a body interpolated by cubics converge with fourth order; as control points, and where the lines
+// turn, with second order.
+TEST(BodyFit, ConvergesFasterThanControlPoints)
+{
+  double fitted[2], plain[2], inner[2];
+  for (int n = 0; n < 2; ++n)
+  {
+    MeshCase mesh = bodyMesh(16 << n, 0.05);
+    BodyFitReport report;
+    const Converted converted = convertFitted(mesh.mesh(), {}, report);
+    fitted[n] = deviation(converted, 0.0);
+    inner[n] = deviation(converted, 4 << n);
+    plain[n] = deviation(conversioncases::convert(mesh.mesh(), wallOptions()), 0.0);
+  }
+  std::printf("distance to the body, 16 and 32 spans: control points %.2e %.2e, fitted %.2e %.2e, inside "
+              "the patches %.2e %.2e\n",
+    plain[0], plain[1], fitted[0], fitted[1], inner[0], inner[1]);
+  EXPECT_LT(plain[1], plain[0] / 3.0);
+  EXPECT_LT(fitted[1], fitted[0] / 3.0);
+  EXPECT_LT(inner[1], inner[0] / 10.0);
+  EXPECT_LT(fitted[1], plain[1] / 8.0);
+}
+
+TEST(BodyFit, SameBitsForAnyNumberingOrientationAndThreads)
+{
+  MeshCase mesh = bodyMesh(5, 0.02);
+  BodyFitReport report;
+  const auto reference = conversioncases::canonicalNet(convertFitted(mesh.mesh(), {}, report));
+  for (unsigned seed = 1; seed <= 4; ++seed)
+  {
+    MeshCase other = bodyMesh(5, 0.02);
+    meshcases::shuffle(other, seed, seed > 2);
+    EXPECT_TRUE(conversioncases::canonicalNet(convertFitted(other.mesh(), {}, report)) == reference);
+  }
+}
+
+// Thin layers follow the wall: mesh lines stay in order.
+TEST(BodyFit, LayersKeepTheirOrder)
+{
+  for (const double first : { 1e-1, 1e-2, 1e-3, 1e-4 })
+  {
+    MeshCase mesh = bodyMesh(5, first * 0.3, 30);
+    BlockComplex complex = buildBlockComplex(mesh.mesh());
+    fitBody(complex, wallOptions(), {});
+    for (const ComplexBlock& block : complex.blocks)
+    {
+      for (int j = 0; j <= block.cells(1); ++j)
+      {
+        for (int i = 0; i <= block.cells(0); ++i)
+        {
+          for (int k = 0; k < block.cells(2); ++k)
+          {
+            const Vec3 up = block.points(i, j, k + 1) - block.points(i, j, k);
+            EXPECT_GT(up.dot(block.points(i, j, k)), 0.0) << "first layer " << first << ", layer " << k;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(BodyFit, RefusesOptionsOutOfRange)
+{
+  MeshCase mesh = bodyMesh(2, 0.1);
+  BlockComplex complex = buildBlockComplex(mesh.mesh());
+  BodyFitOptions options;
+  options.tolerance = 0.0;
+  EXPECT_THROW(fitBody(complex, wallOptions(), options), Error);
+  options = {};
+  options.iterations = 1;
+  EXPECT_THROW(fitBody(complex, wallOptions(), options), Error);
+}
