@@ -3,10 +3,12 @@
 
 #include "BSplineVolumeData.h"
 #include "BlockComplex.h"
+#include "BodyFit.h"
 #include "Conversion.h"
 #include "EntityClass.h"
 #include "FilterExecution.h"
 #include "HexBlockData.h"
+#include "NURBSSurfaceData.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
@@ -25,54 +27,13 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
-#include <cctype>
+#include <memory>
 #include <sstream>
 
 vtkStandardNewMacro(vtkCatmullClarkToBSplineVolume);
 
 namespace
 {
-
-/// Whether `name` matches `pattern` with the wildcards * and ?, without regard to case. Linear memory, no recursion.
-bool matches(const std::string& pattern, const std::string& name)
-{
-  const auto same = [](char p, char c) {
-    return p == '?' || std::tolower(static_cast<unsigned char>(p)) == std::tolower(static_cast<unsigned char>(c));
-  };
-  std::size_t p = 0;
-  std::size_t n = 0;
-  std::size_t star = std::string::npos;
-  std::size_t resume = 0;
-  while (n < name.size())
-  {
-    if (p < pattern.size() && pattern[p] == '*')
-    {
-      star = p++;
-      resume = n;
-    }
-    else if (p < pattern.size() && same(pattern[p], name[n]))
-    {
-      ++p;
-      ++n;
-    }
-    else if (star != std::string::npos)
-    {
-      p = star + 1;
-      n = ++resume;
-    }
-    else
-    {
-      return false;
-    }
-  }
-  return pattern.find_first_not_of('*', p) == std::string::npos;
-}
-
-bool matchesAny(const std::vector<std::string>& patterns, const std::string& name)
-{
-  return std::any_of(
-    patterns.begin(), patterns.end(), [&name](const std::string& pattern) { return matches(pattern, name); });
-}
 
 /// Puts whole faces into a boundary of their own.
 /// @return its tag
@@ -166,8 +127,58 @@ std::string triple(const char* separator, int a, int b, int c)
   return std::to_string(a) + separator + std::to_string(b) + separator + std::to_string(c);
 }
 
+/// What InputPoints means for one mesh and body.
+struct WallPoints
+{
+  bool onBody = false;
+  /// How it was decided, and what the fit did, one sentence each.
+  std::string report;
+};
+
+/// Decides how the wall's points are taken, and fits its control mesh if they lie on the body.
+WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptions& options, int inputPoints,
+  const bsv::BoundaryPatterns& patterns, const bsv::BodyFitOptions& fit, const bsv::Execution& run)
+{
+  using Filter = vtkCatmullClarkToBSplineVolume;
+  const bool wall = std::any_of(complex.faces.begin(), complex.faces.end(), [&](const bsv::ComplexFace& face) {
+    return face.boundary() && face.tag >= 0 && options.roles[face.tag] == bsv::BoundaryRole::Body;
+  });
+  if (!wall && (options.body || inputPoints == Filter::ON_BODY))
+  {
+    throw bsv::Error(std::string(options.body ? "there is a Body" : "Input Points is OnBody") +
+      ", but no boundary of the mesh is part of it: Body Boundaries are " + bsv::quotedList(patterns) +
+      ", the mesh has the boundaries " + bsv::quotedList(complex.boundaryNames));
+  }
+
+  WallPoints result;
+  result.onBody = inputPoints == Filter::ON_BODY;
+  std::ostringstream text;
+  if (options.body)
+  {
+    const bsv::WallDistances distances = bsv::wallDistances(complex, options, *options.body, run);
+    text << "body of " << options.body->patches().size() << " patches: " << distances.wallPoints
+         << " wall points, largest distance of the points " << distances.inputPoints
+         << ", of their Catmull-Clark limit points " << distances.limitPoints << '\n';
+    if (inputPoints == Filter::AUTOMATIC)
+    {
+      result.onBody = distances.inputPoints <= distances.limitPoints;
+    }
+  }
+  text << "input points taken as " << (result.onBody ? "OnBody" : "ControlNet")
+       << (inputPoints == Filter::AUTOMATIC ? ", chosen automatically\n" : "\n");
+  if (result.onBody)
+  {
+    const bsv::BodyFitReport report = bsv::fitBody(complex, options, fit, run);
+    text << "wall fitted in " << report.iterations << " iterations: limit points within " << report.residual
+         << " of their targets, before " << report.initialResidual << "; wall points moved by up to "
+         << report.displacement << '\n';
+  }
+  result.report = text.str();
+  return result;
+}
+
 std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes,
-  const bsv::ConversionOptions& options, const bsv::ConversionReport& counts)
+  const bsv::ConversionOptions& options, const WallPoints& wallPoints, const bsv::ConversionReport& counts)
 {
   std::ostringstream text;
   bsv::Index total = 0;
@@ -182,6 +193,7 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
   {
     text << note << '\n';
   }
+  text << wallPoints.report;
   for (const auto& [valence, count] : classes.extraordinaryCurves)
   {
     text << count << " extraordinary curves of valence " << valence << '\n';
@@ -238,6 +250,7 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
 vtkCatmullClarkToBSplineVolume::vtkCatmullClarkToBSplineVolume()
   : ControlPointsPerRule(vtkSmartPointer<vtkIdTypeArray>::New())
 {
+  this->SetNumberOfInputPorts(2);
   this->ResetReport();
 }
 
@@ -323,9 +336,18 @@ vtkDataArray* vtkCatmullClarkToBSplineVolume::GetControlPointsPerRule()
 }
 
 //------------------------------------------------------------------------------
-// Port 1 is reserved for `Body`, the NURBS surface.
-int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int, vtkInformation* info)
+void vtkCatmullClarkToBSplineVolume::SetBodyConnection(vtkAlgorithmOutput* output)
 {
+  this->SetInputConnection(1, output);
+}
+
+//------------------------------------------------------------------------------
+int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int port, vtkInformation* info)
+{
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   return 1;
@@ -372,22 +394,37 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     complexOptions.matchTolerance = this->MatchTolerance;
     complexOptions.allowDegenerate = this->AllowDegenerate;
     complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
-    const bsv::BlockComplex complex =
-      bsv::buildBlockComplex(mesh, complexOptions, bsv::filterExecution(this, 0.0, 0.4));
+    bsv::BlockComplex complex =
+      bsv::buildBlockComplex(mesh, complexOptions, bsv::filterExecution(this, 0.0, 0.3));
 
     // The conversion.
     for (const std::string& name : complex.boundaryNames)
     {
-      const bool isBody = static_cast<int>(options.roles.size()) == selected || matchesAny(this->BodyBoundaries, name);
-      options.roles.push_back(isBody              ? bsv::BoundaryRole::Body
-          : matchesAny(this->SymmetryBoundaries, name) ? bsv::BoundaryRole::Symmetry
-                                                  : bsv::BoundaryRole::Other);
+      const bool isBody = static_cast<int>(options.roles.size()) == selected || bsv::matchesAny(this->BodyBoundaries, name);
+      options.roles.push_back(isBody                        ? bsv::BoundaryRole::Body
+          : bsv::matchesAny(this->SymmetryBoundaries, name) ? bsv::BoundaryRole::Symmetry
+                                                            : bsv::BoundaryRole::Other);
     }
     options.planarSides = static_cast<bsv::PlanarSides>(this->PlanarSides);
     options.planarTolerance = this->PlanarTolerance;
     options.twist = static_cast<bsv::Twist>(this->Twist);
     options.wallSpacing = this->WallSpacing;
     options.propagationRange = this->PropagationRange;
+
+    // The body.
+    std::unique_ptr<const bsv::BodySurface> body;
+    if (vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0))
+    {
+      body = std::make_unique<bsv::BodySurface>(bsv::bodyPatches(given), bsv::filterExecution(this, 0.3, 0.4));
+      options.body = body.get();
+    }
+    bsv::BodyFitOptions fit;
+    fit.body = options.body;
+    fit.tolerance = this->FitTolerance;
+    fit.iterations = this->FitIterations;
+    fit.range = this->PropagationRange;
+    const WallPoints wallPoints = takeWallPoints(
+      complex, options, this->InputPoints, this->BodyBoundaries, fit, bsv::filterExecution(this, 0.4, 0.5));
 
     std::vector<vtkSmartPointer<vtkStructuredGrid>> nets;
     std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
@@ -398,7 +435,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       names.push_back(complex.blocks[b].name);
     }
     const bsv::ConversionReport counts =
-      bsv::convertToBSplineVolume(complex, options, storage, bsv::filterExecution(this, 0.4, 1.0));
+      bsv::convertToBSplineVolume(complex, options, storage, bsv::filterExecution(this, 0.5, 1.0));
 
     // The output.
     bsv::setBlocks(output, nets, names, "BSplineVolume");
@@ -421,7 +458,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       this->ControlPointsPerRule->SetValue(static_cast<vtkIdType>(rule), counts.controlPoints[rule]);
       this->NumberOfControlPoints += counts.controlPoints[rule];
     }
-    this->Report = reportText(complex, classes, options, counts);
+    this->Report = reportText(complex, classes, options, wallPoints, counts);
 
     for (const std::string& warning : complex.warnings)
     {
@@ -468,6 +505,9 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Twist: " << this->Twist << '\n';
   os << indent << "WallSpacing: " << this->WallSpacing << '\n';
   os << indent << "PropagationRange: " << this->PropagationRange << '\n';
+  os << indent << "InputPoints: " << this->InputPoints << '\n';
+  os << indent << "FitTolerance: " << this->FitTolerance << '\n';
+  os << indent << "FitIterations: " << this->FitIterations << '\n';
   os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
   os << indent << "AllowDegenerate: " << (this->AllowDegenerate ? "On" : "Off") << '\n';
   os << indent << "Report: " << this->Report << '\n';

@@ -14,6 +14,10 @@
  * `CreaseSharpness` (0 or >= 10), `ProjectedPoint` (3) and `SurfaceNormal` (3, unit length): foot point and normal on
  * the true body, used at extraordinary body vertices; NaN marks points without a value.
  *
+ * Input port 1 (`Body`, optional): NURBS surfaces (NURBSSurfaceData.h), such as vtkNURBSSurfaceReader gives, in the
+ * length unit of the mesh. Extraordinary body vertices are projected to it, and with InputPoints OnBody the whole wall
+ * follows it.
+ *
  * Output: a vtkPartitionedDataSetCollection with a flat assembly, per block one vtkStructuredGrid of
  * (I+3) x (J+3) x (K+3) control points in double precision. Blocks are cut where an interface covers part of a face or
  * a crease runs inside one, so there can be more blocks than in the input. Of every block:
@@ -28,7 +32,7 @@
  * the blocks of the output.
  *
  * An empty input gives an empty output. What cannot be converted is an error that names block and value; the output is
- * then empty.
+ * then empty. A body whose wall is not in the mesh, or that is far from it, is such an error.
  *
  * @sa vtkHexBlockTopology
  */
@@ -38,6 +42,8 @@
 #include "BSplineVolumeFiltersModule.h" // For export macro
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 #include "vtkSmartPointer.h" // For the counts
+
+#include "BoundaryPatterns.h" // For the names of the body
 
 #include <array>  // For the selected faces
 #include <string> // For names
@@ -53,6 +59,13 @@ public:
   vtkTypeMacro(vtkCatmullClarkToBSplineVolume, vtkPartitionedDataSetCollectionAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  enum InputPointsType
+  {
+    AUTOMATIC = 0,
+    CONTROL_NET = 1,
+    ON_BODY = 2
+  };
+
   enum PlanarSidesType
   {
     FAR_FIELD = 0,
@@ -66,6 +79,41 @@ public:
     PARALLELOGRAM = 1,
     MASK = 2
   };
+
+  /**
+   * Connects the body, or disconnects it with null.
+   */
+  void SetBodyConnection(vtkAlgorithmOutput* output);
+
+  ///@{
+  /**
+   * What the wall's mesh points are: Catmull-Clark control points of it (CONTROL_NET), so that the wall lies inside
+   * convex mesh by about curvature h^2 / 6; or points of the body (ON_BODY), as in ordinary flow meshes. The wall's
+   * control mesh is then solved for, so that the wall interpolates the points, or with a body connected their closest
+   * points on it; PropagationRange says how far that reaches into the layers. AUTOMATIC (default) takes the control net
+   * without a body, and with one whichever of the mesh points and their limit points lie closer to it; the report says
+   * what was chosen and both distances.
+   */
+  vtkSetClampMacro(InputPoints, int, AUTOMATIC, ON_BODY);
+  vtkGetMacro(InputPoints, int);
+  ///@}
+
+  ///@{
+  /**
+   * ON_BODY: the solution is found when no limit point of the wall is farther from its target than this fraction of the
+   * wall's bounding-box diagonal. Range (0, 1), default 1e-13.
+   */
+  vtkSetMacro(FitTolerance, double);
+  vtkGetMacro(FitTolerance, double);
+  ///@}
+
+  ///@{
+  /**
+   * ON_BODY: more iterations than this are an error. At least 1, default 200.
+   */
+  vtkSetMacro(FitIterations, int);
+  vtkGetMacro(FitIterations, int);
+  ///@}
 
   ///@{
   /**
@@ -158,9 +206,9 @@ public:
 
   ///@{
   /**
-   * How far creases of the outer boundary reach into the volume, as a multiple of the depth by which the smooth rule
-   * would round them: the faces above a crease keep their points there, fading out, so that thin layers do not fold.
-   * No unit, range >= 0, default 8; 0 turns it off.
+   * How far what changes at the outer boundary reaches into the volume, fading out, so that thin layers do not fold:
+   * creases, as a multiple of the depth by which the smooth rule would round them; the corrections at extraordinary
+   * body vertices and of ON_BODY, in local edge lengths of the wall. No unit, range >= 0, default 8; 0 turns it off.
    */
   vtkSetMacro(PropagationRange, double);
   vtkGetMacro(PropagationRange, double);
@@ -201,7 +249,7 @@ public:
   vtkDataArray* GetControlPointsPerRule();
 
   /**
-   * All of it as a text: totals, extraordinary curves per valence, boundaries with their roles, one line per block.
+   * All of it as a text: totals, how the wall's points were taken, extraordinary curves per valence, boundaries with their roles, one line per block.
    */
   const char* GetReport() const { return this->Report.c_str(); }
 
@@ -218,8 +266,11 @@ private:
 
   void ResetReport();
 
-  std::vector<std::string> BodyBoundaries{ "wall*", "bcwall*", "body*", "no*slip*", "viscous*", "solid*" };
-  std::vector<std::string> SymmetryBoundaries{ "sym*", "bcsym*" };
+  int InputPoints = AUTOMATIC;
+  double FitTolerance = 1e-13;
+  int FitIterations = 200;
+  bsv::BoundaryPatterns BodyBoundaries = bsv::defaultBodyBoundaries();
+  bsv::BoundaryPatterns SymmetryBoundaries{ "sym*", "bcsym*" };
   std::vector<std::array<int, 2>> BodyFaces;
   bool UseCreaseAngle = false;
   double CreaseAngle = 30.0;

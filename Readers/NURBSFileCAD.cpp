@@ -85,7 +85,10 @@ constexpr double SideFraction = 1e-9;
 constexpr double ExactFraction = 1e-9;
 /// Fraction of the parameter range to which trimming curves follow a change of parameters.
 constexpr double CurveFraction = 1e-12;
-constexpr double PlainDeflectionAngle = 0.35;
+/// Largest angle, in radians, between neighbouring chords of the tessellation.
+constexpr double TessellationAngle = 0.35;
+/// Mode in which OpenCASCADE looks for the entity of a shape: whichever way it came from it.
+constexpr int AnyResult = -1;
 
 /// OpenCASCADE's session: one at a time, silent, with its global settings restored.
 class Session
@@ -860,7 +863,7 @@ NURBSFileContent readCADFile(
       }
       shape = transfer(iges, content);
       const auto entity = [&iges](const TopoDS_Face& face) {
-        return Handle(IGESData_IGESEntity)::DownCast(iges.WS()->TransferReader()->EntityFromShapeResult(face, 3));
+        return Handle(IGESData_IGESEntity)::DownCast(iges.WS()->TransferReader()->EntityFromShapeResult(face, AnyResult));
       };
       names.name = [entity](const TopoDS_Face& face) {
         const Handle(IGESData_IGESEntity) found = entity(face);
@@ -892,7 +895,7 @@ NURBSFileContent readCADFile(
         }
       }
       const auto entity = [&step](const TopoDS_Face& face) {
-        return step.WS()->TransferReader()->EntityFromShapeResult(face, 3);
+        return step.WS()->TransferReader()->EntityFromShapeResult(face, AnyResult);
       };
       names.name = [entity](const TopoDS_Face& face) {
         const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity(face));
@@ -943,7 +946,7 @@ NURBSFileContent readCADFile(
     if (size > 0.0 && !box.IsOpen())
     {
       BRepTools::Clean(shape);
-      BRepMesh_IncrementalMesh(shape, tolerance * size, Standard_False, PlainDeflectionAngle, Standard_False);
+      BRepMesh_IncrementalMesh(shape, tolerance * size, Standard_False, TessellationAngle, Standard_False);
     }
     run.report(0.6);
 

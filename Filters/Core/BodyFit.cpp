@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <sstream>
 
 namespace bsv
 {
@@ -573,6 +574,65 @@ void movePoints(BlockComplex& complex, Displacements& displacements)
 }
 
 } // namespace
+
+WallDistances wallDistances(const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body,
+  const Execution& run)
+{
+  const EntityRules rules = classify(complex, conversion, run);
+  const Wall wall(complex, rules);
+  WallDistances result;
+  result.wallPoints = wall.size();
+  if (wall.size() == 0)
+  {
+    return result;
+  }
+  const LimitRows rows(complex, rules, wall);
+  std::vector<Vec3> points(wall.size());
+  Eigen::AlignedBox3d box;
+  for (Index i = 0; i < wall.size(); ++i)
+  {
+    points[i] = wall.point(i);
+    box.extend(points[i]);
+  }
+  std::vector<double> inputDistances(wall.size()), limitDistances(wall.size());
+  run.parallelFor(wall.size(), 64, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+    {
+      inputDistances[i] = body.closestPoint(points[i]).distance;
+      limitDistances[i] = body.closestPoint(rows.apply(i, points)).distance;
+    }
+  });
+  result.inputPoints = *std::max_element(inputDistances.begin(), inputDistances.end());
+  result.limitPoints = *std::max_element(limitDistances.begin(), limitDistances.end());
+  const double size = box.diagonal().norm();
+  if (!(result.inputPoints <= 0.2 * size))
+  {
+    const auto boxText = [](const Eigen::AlignedBox3d& b) {
+      std::ostringstream text;
+      text << '[' << b.min().transpose() << "] to [" << b.max().transpose() << ']';
+      return text.str();
+    };
+    std::ostringstream text;
+    text << "the body is far from the wall, up to " << result.inputPoints << ": the wall lies in " << boxText(box)
+         << ", the body in " << boxText(body.bounds());
+    // Units that CAD files and meshes come in, as powers of their ratio.
+    const double ratio = body.size() / size;
+    for (const double unit : { 1000.0, 100.0, 10.0, 25.4, 2.54, 12.0, 39.37, 3.2808 })
+    {
+      for (const double factor : { unit, 1.0 / unit })
+      {
+        // A mesh of half a body, or of a part of it, is smaller than the body.
+        if (ratio > 0.7 * factor && ratio < 3.0 * factor)
+        {
+          text << "; the body is about " << factor << " times as large: is its unit another one?";
+          throw Error(text.str());
+        }
+      }
+    }
+    throw Error(text.str());
+  }
+  return result;
+}
 
 BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options,
   const Execution& run)

@@ -12,6 +12,20 @@
 namespace bsv
 {
 
+/// How far the wall is from the body.
+struct WallDistances
+{
+  Index wallPoints = 0;
+  /// Largest distance of a mesh point of the wall, and of a limit point of the wall as a Catmull-Clark control mesh.
+  double inputPoints = 0.0;
+  double limitPoints = 0.0;
+};
+
+/// @throws Error that names both bounding boxes and the likely scale factor if a wall point is farther from the body than
+/// a fifth of the wall's bounding-box diagonal: another unit, or another body.
+WallDistances wallDistances(const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body,
+  const Execution& run = {});
+
 struct BodyFitOptions
 {
   /// The body, or null: limit points then lie on the given points.

@@ -23,15 +23,19 @@ using Vec4 = Eigen::Vector4d;
 /// Two points closer than this fraction of the body's size are one.
 constexpr double CoincidentFraction = 1e-12;
 /// Cells are halved until tangents vary by less than this fraction of their mean ...
-constexpr double TangentVariation = 0.2;
+constexpr double TangentVariation = 0.1;
 /// ... or their radius is this fraction of the body's size (poles never meet the first condition) ...
 constexpr double SmallestCell = 2e-4;
+/// Cells that trimming curves cross are halved until their radius is this many times the smallest one.
+constexpr double CrossedCells = 100.0;
 /// ... or they were halved so often.
 constexpr int MaxHalvings = 40;
 /// Part of its own size by which an iteration may leave its cell.
 constexpr double CellMargin = 0.25;
 /// Rational tangents are not in the hull of the control net's differences: their variation is taken larger.
 constexpr double RationalSafety = 1.5;
+/// Steps along the border of its cell after which an iteration that wants to leave is given up.
+constexpr int MaxBorderSteps = 6;
 /// Distance, in units of a cell, at which one-sided derivatives at its ends are taken.
 constexpr double EndShift = 1e-9;
 constexpr Index CellsPerNode = 4;
@@ -227,7 +231,8 @@ private:
     const double excessU = cell.spreadU / (TangentVariation * lengthU + this->Smallest);
     const double excessV = cell.spreadV / (TangentVariation * lengthV + this->Smallest);
     const bool flat = excessU <= 1.0 && excessV <= 1.0;
-    if (flat || left == 0 || cell.radius <= this->Smallest)
+    const bool fine = place == TrimRegion::Place::Inside || cell.radius <= CrossedCells * this->Smallest;
+    if ((flat && fine) || left == 0 || cell.radius <= this->Smallest)
     {
       cell.piece = this->PieceIndex;
       cell.u0 = u0;
@@ -239,7 +244,7 @@ private:
       return;
     }
     // The worse tangent changes along its own direction (bend) or along the other one (twist), as it does at poles.
-    const bool alongU = excessU >= excessV ? bendU >= twist : bendV < twist;
+    const bool alongU = flat ? lengthU >= lengthV : excessU >= excessV ? bendU >= twist : bendV < twist;
     std::vector<Vec4> other(net.size());
     if (alongU)
     {
@@ -416,7 +421,8 @@ struct BodySurface::Locator
   void visit(const std::vector<Node>& tree, const std::vector<Index>& order, const Vec3& query, const double& limit,
     const Body& body) const;
   bool mayHoldFootPoint(const Cell& cell, const Vec3& query) const;
-  bool searchPiece(const Cell& cell, const Vec3& query, Candidate& found) const;
+  void searchPiece(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const;
+  bool descend(const Cell& cell, const Vec3& query, const Vec2& start, Candidate& found) const;
   void searchEdge(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const;
   void polish(const Vec3& query, Candidate& candidate) const;
   /// All candidates that are closer than the least distance plus `tolerance`.
@@ -609,7 +615,36 @@ bool BodySurface::Locator::mayHoldFootPoint(const Cell& cell, const Vec3& query)
   return !never(cell.tangentU, cell.spreadU) && (cell.piece < 0 || !never(cell.tangentV, cell.spreadV));
 }
 
-bool BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, Candidate& found) const
+void BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const
+{
+  Candidate candidate;
+  const Vec2 middle(0.5 * (cell.u0 + cell.u1), 0.5 * (cell.v0 + cell.v1));
+  if (this->descend(cell, query, middle, candidate))
+  {
+    found.push_back(candidate);
+  }
+  // On the hollow side, beyond the centres of curvature, the distance may have several minima on a cell.
+  const SurfaceDerivatives at = evaluate(this->pieces[cell.piece].surface, middle[0], middle[1]);
+  const Vec3 r = at.x - query;
+  const double E = at.u.squaredNorm();
+  const double G = at.v.squaredNorm();
+  const double F = at.u.dot(at.v);
+  const double huu = E + r.dot(at.uu);
+  const double huv = F + r.dot(at.uv);
+  const double hvv = G + r.dot(at.vv);
+  const bool convex = huu > 0.5 * E && hvv > 0.5 * G && huu * hvv - huv * huv > 0.25 * (E * G - F * F);
+  for (int quarter = 0; !convex && quarter < 4; ++quarter)
+  {
+    const Vec2 start(middle[0] + (quarter % 2 == 0 ? -0.25 : 0.25) * (cell.u1 - cell.u0),
+      middle[1] + (quarter / 2 == 0 ? -0.25 : 0.25) * (cell.v1 - cell.v0));
+    if (this->descend(cell, query, start, candidate))
+    {
+      found.push_back(candidate);
+    }
+  }
+}
+
+bool BodySurface::Locator::descend(const Cell& cell, const Vec3& query, const Vec2& start, Candidate& found) const
 {
   const Piece& piece = this->pieces[cell.piece];
   const NURBSSurface& surface = piece.surface;
@@ -618,7 +653,7 @@ bool BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, Cand
   const Vec2 low(std::max(cell.u0 - marginU, surface.first(0)), std::max(cell.v0 - marginV, surface.first(1)));
   const Vec2 high(std::min(cell.u1 + marginU, surface.last(0)), std::min(cell.v1 + marginV, surface.last(1)));
 
-  Vec2 uv(0.5 * (cell.u0 + cell.u1), 0.5 * (cell.v0 + cell.v1));
+  Vec2 uv = start;
   SurfaceDerivatives at = evaluate(surface, uv[0], uv[1]);
   Vec3 r = at.x - query;
   double value = r.squaredNorm();
@@ -654,7 +689,7 @@ bool BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, Cand
     }
     if (held[0] || held[1])
     {
-      if (++atBorder > 3)
+      if (++atBorder > MaxBorderSteps)
       {
         return false;
       }
@@ -842,7 +877,7 @@ void BodySurface::Locator::polish(const Vec3& query, Candidate& candidate) const
 std::vector<Candidate> BodySurface::Locator::candidates(const Vec3& query, double tolerance, bool edgesOnly) const
 {
   std::vector<Candidate> found;
-  std::vector<Candidate> ofEdge;
+  std::vector<Candidate> ofCell;
   double limit = std::numeric_limits<double>::infinity();
   const auto submit = [&](const Candidate& candidate) {
     if (candidate.distance <= limit)
@@ -853,18 +888,9 @@ std::vector<Candidate> BodySurface::Locator::candidates(const Vec3& query, doubl
   };
   this->visit(edgesOnly ? this->edgeNodes : this->nodes, edgesOnly ? this->edgeCellOrder : this->cellOrder, query, limit,
     [&](const Cell& cell) {
-      if (cell.piece < 0)
-      {
-        ofEdge.clear();
-        this->searchEdge(cell, query, ofEdge);
-        for (const Candidate& candidate : ofEdge)
-        {
-          submit(candidate);
-        }
-        return;
-      }
-      Candidate candidate;
-      if (this->searchPiece(cell, query, candidate))
+      ofCell.clear();
+      cell.piece < 0 ? this->searchEdge(cell, query, ofCell) : this->searchPiece(cell, query, ofCell);
+      for (const Candidate& candidate : ofCell)
       {
         submit(candidate);
       }
@@ -910,13 +936,19 @@ BodyPoint BodySurface::Locator::closest(const Vec3& query, bool edgesOnly) const
   {
     return {};
   }
+  // Beside a foot point distances differ by less than rounding: there a foot point is better than a point on an edge.
   const Candidate* best = &found.front();
+  const auto better = [&](const Candidate& a, const Candidate& b) {
+    const double rounding = 1e-15 * (this->size + std::min(a.distance, b.distance));
+    if (a.onEdge != b.onEdge && std::abs(a.distance - b.distance) <= rounding)
+    {
+      return b.onEdge;
+    }
+    return a.distance != b.distance ? a.distance < b.distance : owns(a, b);
+  };
   for (const Candidate& candidate : found)
   {
-    if (candidate.distance < best->distance || (candidate.distance == best->distance && owns(candidate, *best)))
-    {
-      best = &candidate;
-    }
+    best = better(candidate, *best) ? &candidate : best;
   }
   const Candidate* owner = best;
   for (const Candidate& candidate : found)

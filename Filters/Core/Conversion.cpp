@@ -112,6 +112,8 @@ void Converter::convertFace(int face)
 
 ConversionReport Converter::convert()
 {
+  this->propagateFeet();
+
   // Slabs of all blocks as one list, so that a few large blocks share the threads as well as many small ones.
   std::vector<Index> firstSlab{ 0 };
   for (const ComplexBlock& block : this->Complex.blocks)

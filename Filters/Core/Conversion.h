@@ -13,6 +13,8 @@
 namespace bsv
 {
 
+class BodySurface;
+
 /// How a control point was made. Values are the codes of the point array `ControlPointRule`.
 enum class ControlPointRule : std::uint8_t
 {
@@ -70,11 +72,16 @@ struct ConversionOptions
   Twist twist = Twist::SecondFundamentalForm;
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
   double wallSpacing = 2.0 / 3.0;
-  /// How far creases of the outer surface reach into the volume, as a multiple of the depth by which the smooth rule would
-  /// round them (CreaseColumns.h); at least 0, 0 is off.
+  /// How far what the rules of the outer surface changed is carried into the layers, which would fold otherwise: above
+  /// creases as a multiple of the depth by which the smooth rule would round them (CreaseColumns.h), above extraordinary
+  /// body vertices in local edge lengths (BodyPropagation.cpp). At least 0, 0 is off.
   double propagationRange = 8.0;
+  /// The body, or null. Its closest points to the limit points of extraordinary body vertices, with normal and second
+  /// fundamental form, take the place of what is estimated from the mesh.
+  const BodySurface* body = nullptr;
   /// Per block of the mesh (not of the complex): given projection point and unit normal of every mesh point, three
-  /// doubles each, i fastest, or null. NaN marks points without a value. Used at extraordinary body vertices only.
+  /// doubles each, i fastest, or null. NaN marks points without a value. Used at extraordinary body vertices only, where
+  /// they have precedence over `body`.
   std::vector<const double*> projectedPoints;
   std::vector<const double*> surfaceNormals;
 };

@@ -7,7 +7,8 @@
 /// - Conversion.cpp: blocks and faces, the regular rule across one face;
 /// - EdgeConversion.cpp: the layers of quadrilaterals across an edge;
 /// - VertexConversion.cpp: the star of a vertex, where layers of several directions meet;
-/// - SurfaceConversion.cpp: the outer surface around a boundary vertex.
+/// - SurfaceConversion.cpp: the outer surface around a boundary vertex;
+/// - BodyPropagation.cpp: what known points of the body change in the layers above.
 #pragma once
 
 #include "Conversion.h"
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <map>
 #include <vector>
 
 namespace bsv
@@ -103,9 +105,12 @@ private:
   ///@{
   void convertSurface(Star& star) const;
   void convertTouchingSurfaces(Star& star) const;
-  /// Smooth fan; on the body with the given projection point and normal, if there are any.
-  Fan smoothSurfaceFan(const Star& star, const Fan& fan, const std::vector<double>& weights,
+  /// Smooth fan; on the body with the foot point and normal of an extraordinary vertex, if they are known.
+  Fan smoothSurfaceFan(Star& star, const Fan& fan, const std::vector<double>& weights,
     const std::vector<SpokeKeep>& keeps, bool body) const;
+  bool bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const;
+  /// Fills Corrections: carries what a known foot changed at extraordinary body vertices into the layers above them.
+  void propagateFeet();
   ///@}
 
   bool isWall(int face) const
@@ -129,6 +134,14 @@ private:
   const std::vector<ControlNetStorage>& Nets;
   const Execution& Run;
   const EntityRules Rules;
+  /// Added to the control points of the layers across an edge: `delta`, in the order of the edge's fan, by a weight per
+  /// layer.
+  struct Correction
+  {
+    Fan delta;
+    std::vector<double> weights;
+  };
+  std::map<int, std::vector<Correction>> Corrections;
   std::atomic<Index> SingularNodes{ 0 };
 };
 
@@ -160,6 +173,8 @@ struct Converter::Star : VertexStar
 
   /// Whether the outer surface, once converted, has no feature here that a rule across layers would have to respect.
   bool surfaceIsSmooth = false;
+  /// Whether it follows a foot point on the body.
+  bool hasFoot = false;
   /// The two star edges of a crease through the vertex, or -1.
   std::array<int, 2> crease{ -1, -1 };
 

@@ -73,7 +73,30 @@ Fan Converter::controlFan(int edge, const EdgeFan& fan, int k) const
   const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
   if (!this->Rules.edges[edge].anchored)
   {
-    return fadedFan(points, this->Options.twist, weights, keeps);
+    Fan result = fadedFan(points, this->Options.twist, weights, keeps);
+    const auto corrections = this->Corrections.find(edge);
+    if (corrections != this->Corrections.end())
+    {
+      // At most one comes from either end: their sum does not depend on the order.
+      const auto correct = [&](Vec3& point, const auto& deltaOf) {
+        Vec3 sum = Vec3::Zero();
+        for (const Correction& correction : corrections->second)
+        {
+          sum += correction.weights[k] * deltaOf(correction.delta);
+        }
+        point += sum;
+      };
+      correct(result.center, [](const Fan& delta) { return delta.center; });
+      for (int i = 0; i < result.spokeCount(); ++i)
+      {
+        correct(result.spokes[i], [i](const Fan& delta) { return delta.spokes[i]; });
+      }
+      for (int i = 0; i < result.sectorCount(); ++i)
+      {
+        correct(result.sectors[i], [i](const Fan& delta) { return delta.sectors[i]; });
+      }
+    }
+    return result;
   }
   std::vector<Vec3> along = points.spokes;
   const int sectors = points.sectorCount();

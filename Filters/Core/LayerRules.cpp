@@ -515,8 +515,10 @@ Vec3 limitNormal(const Fan& fan)
   return length > 0.0 ? Vec3(cross / length) : Vec3(Vec3::Zero());
 }
 
-Fan projectedFan(const Fan& input, const Vec3& projection, const Vec3& normal, Twist twist)
+Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
 {
+  const Vec3& projection = foot.point;
+  const Vec3& normal = foot.normal;
   const int n = input.sectorCount();
   // Nothing below may depend on where the fan starts and in which sense it runs: start at the smallest spoke and go
   // towards the smaller of its neighbours.
@@ -577,7 +579,11 @@ Fan projectedFan(const Fan& input, const Vec3& projection, const Vec3& normal, T
       continue;
     }
     points.sectors[i] = projection + blend * (offsets[i] + offsets[next]);
-    if (twist == Twist::SecondFundamentalForm)
+    if (twist == Twist::SecondFundamentalForm && foot.hasCurvature)
+    {
+      points.sectors[i] += offsets[i].dot(foot.curvature * offsets[next]) * normal;
+    }
+    else if (twist == Twist::SecondFundamentalForm)
     {
       const Eigen::Vector2d a = solver.solve(offsets[i]);
       const Eigen::Vector2d b = solver.solve(offsets[next]);

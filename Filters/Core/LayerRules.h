@@ -86,13 +86,23 @@ CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const st
 Fan fadedFan(
   const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps);
 
-/// Fan of an extraordinary body vertex whose projection point and unit normal on the given surface are known
-/// (method 5.38 to 5.41 with the twist from the second fundamental form): the centre is `projection`, the neighbours are
-/// the border points (f + 4 e + f) / 6 projected onto the tangent plane, the inserted point of a sector is
-/// P + x_n (a + b) + n II(a, b) with II estimated on the fan. `normal` may point to either side.
+/// What is known of the body at an extraordinary vertex.
+struct BodyFoot
+{
+  Vec3 point;
+  /// Unit normal, to either side.
+  Vec3 normal;
+  /// II(a, b) = a^T curvature b with respect to `normal`; only if `hasCurvature`, else it is estimated on the fan.
+  Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
+  bool hasCurvature = false;
+};
+
+/// Fan of an extraordinary body vertex with a known foot on the given surface (method 5.38 to 5.41 with the twist from
+/// the second fundamental form): the centre is the foot point, the neighbours are the border points (f + 4 e + f) / 6
+/// projected onto the tangent plane, the inserted point of a sector is P + x_n (a + b) + n II(a, b).
 /// Closed fans of at least 3 sectors only. Orthogonal projection does not commute with affine maps other than
 /// similarities.
-Fan projectedFan(const Fan& fan, const Vec3& projection, const Vec3& normal, Twist twist);
+Fan projectedFan(const Fan& fan, const BodyFoot& foot, Twist twist);
 
 /// Unit normal of the Catmull-Clark limit surface at the centre of a closed smooth fan (4.18), zero where the limit
 /// tangents are parallel. Its sign follows the sense of the fan.

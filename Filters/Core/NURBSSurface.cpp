@@ -2,6 +2,7 @@
 #include "NURBSSurface.h"
 
 #include "BSplineVolume.h"
+#include "TrimRegion.h"
 
 #include <Eigen/Geometry>
 
@@ -459,14 +460,15 @@ double patchArea(const BodyPatch& patch, double tolerance)
   }
 
   // Green's theorem: area = integral over the loops of A(u,v) dv, A being the integral of the density from the first u.
+  // A loop inside an odd number of others is the border of a hole.
   double area = 0.0;
-  for (const TrimLoop& loop : patch.loops)
+  for (std::size_t l = 0; l < patch.loops.size(); ++l)
   {
+    const TrimLoop& loop = patch.loops[l];
     double sum = 0.0;
     for (std::size_t c = 0; c < loop.size(); ++c)
     {
       const ParameterCurve& curve = loop[c];
-      // Cut where the curve crosses knots of v too: found by a scan; adaptive halving copes with the rest.
       for (const int s : nonEmptySpans(curve.degree, curve.knots))
       {
         const auto f = [&](double t) {
@@ -487,9 +489,12 @@ double patchArea(const BodyPatch& patch, double tolerance)
         });
       }
     }
-    area += sum;
+    std::vector<TrimLoop> others = patch.loops;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(l));
+    const bool hole = !others.empty() && TrimRegion(others).contains(evaluate(loop[0], loop[0].first())[0]);
+    area += hole ? -std::abs(sum) : std::abs(sum);
   }
-  return std::abs(area);
+  return area;
 }
 
 std::vector<NURBSSurface> smoothPieces(const NURBSSurface& surface)

@@ -113,7 +113,8 @@ struct SurfaceGeometry
 SurfaceGeometry surfaceGeometry(const NURBSSurface& surface, double u, double v, bool reversed = false);
 
 /// Area of the patch, trimmed: Gauss quadrature of the integral over the enclosed domain, turned into one along the loops
-/// by Green's theorem. Relative error about `tolerance` where the integrand is smooth.
+/// by Green's theorem. Loops do not cross; their orientation does not matter. `tolerance` is the relative error at which
+/// halving of intervals stops.
 double patchArea(const BodyPatch& patch, double tolerance = 1e-9);
 
 /// Parts of a surface between its kinks, the inner knots of multiplicity degree, where derivatives may jump. Control

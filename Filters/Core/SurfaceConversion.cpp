@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ClosestPoint.h"
 #include "Converter.h"
 
 #include <algorithm>
@@ -131,53 +132,63 @@ void Converter::convertTouchingSurfaces(Star& star) const
   }
 }
 
-Fan Converter::smoothSurfaceFan(const Star& star, const Fan& fan, const std::vector<double>& weights,
-  const std::vector<SpokeKeep>& keeps, bool body) const
+bool Converter::bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const
 {
-  if (body && fan.sectorCount() != 4)
-  {
-    const auto givenAt = [&](const std::vector<const double*>& arrays, Vec3& value) {
-      bool found = false;
-      for (const VertexStar::Block& entry : star.blocks)
-      {
-        const ComplexBlock& owner = this->Complex.blocks[entry.block];
-        const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
-        if (!array)
-        {
-          continue;
-        }
-        // Strides of the parent's points are those of its arrays.
-        Index at = 0;
-        for (int d = 0; d < 3; ++d)
-        {
-          at += owner.points.stride(d) *
-            (owner.offset[d] + (cornerSide(entry.corner, d) ? owner.cells(d) : 0));
-        }
-        const Vec3 given(array[3 * at], array[3 * at + 1], array[3 * at + 2]);
-        // Copies may differ in the blocks: the smallest is as good as any and is the same in every order.
-        if (given.allFinite() &&
-          (!found || std::lexicographical_compare(given.data(), given.data() + 3, value.data(), value.data() + 3)))
-        {
-          value = given;
-          found = true;
-        }
-      }
-      return found;
-    };
-    Vec3 projection, normal;
-    const bool hasPoint = givenAt(this->Options.projectedPoints, projection);
-    const bool hasNormal = givenAt(this->Options.surfaceNormals, normal) && normal.norm() > 0.0;
-    if (hasPoint || hasNormal)
+  const auto givenAt = [&](const std::vector<const double*>& arrays, Vec3& value) {
+    bool found = false;
+    for (const VertexStar::Block& entry : star.blocks)
     {
-      if (!hasPoint)
+      const ComplexBlock& owner = this->Complex.blocks[entry.block];
+      const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
+      if (!array)
       {
-        projection = smoothFan(fan, this->Options.twist, weights).center;
+        continue;
       }
-      return projectedFan(
-        fan, projection, hasNormal ? Vec3(normal.normalized()) : limitNormal(fan), this->Options.twist);
+      // Strides of the parent's points are those of its arrays.
+      Index at = 0;
+      for (int d = 0; d < 3; ++d)
+      {
+        at += owner.points.stride(d) * (owner.offset[d] + (cornerSide(entry.corner, d) ? owner.cells(d) : 0));
+      }
+      const Vec3 given(array[3 * at], array[3 * at + 1], array[3 * at + 2]);
+      // Copies may differ in the blocks: the smallest is as good as any and is the same in every order.
+      if (given.allFinite() &&
+        (!found || std::lexicographical_compare(given.data(), given.data() + 3, value.data(), value.data() + 3)))
+      {
+        value = given;
+        found = true;
+      }
     }
+    return found;
+  };
+  const bool hasPoint = givenAt(this->Options.projectedPoints, foot.point);
+  const bool hasNormal = givenAt(this->Options.surfaceNormals, foot.normal) && foot.normal.norm() > 0.0;
+  if (!hasPoint && !hasNormal && !this->Options.body)
+  {
+    return false;
   }
-  return fadedFan(fan, this->Options.twist, weights, keeps);
+  const Vec3 limit = smoothFan(fan, this->Options.twist, std::vector<double>(fan.spokeCount(), KnotInsertion)).center;
+  if (this->Options.body && !hasPoint && !hasNormal)
+  {
+    const SurfaceGeometry geometry = this->Options.body->closestPoint(limit).geometry;
+    foot = { geometry.point, geometry.normal, geometry.curvature, true };
+    return geometry.normal.norm() > 0.0;
+  }
+  if (!hasPoint)
+  {
+    foot.point = limit;
+  }
+  foot.normal = hasNormal ? Vec3(foot.normal.normalized()) : limitNormal(fan);
+  return true;
+}
+
+Fan Converter::smoothSurfaceFan(
+  Star& star, const Fan& fan, const std::vector<double>& weights, const std::vector<SpokeKeep>& keeps, bool body) const
+{
+  BodyFoot foot;
+  star.hasFoot = body && fan.sectorCount() != 4 && this->bodyFoot(star, fan, foot);
+  return star.hasFoot ? projectedFan(fan, foot, this->Options.twist)
+                      : fadedFan(fan, this->Options.twist, weights, keeps);
 }
 
 } // namespace bsv

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace conversioncases
@@ -56,6 +57,15 @@ struct Jumps
 /// Evaluates all partial derivatives up to second order on both sides of every interface, at a few points of every span.
 /// Jumps are taken where all control points of the span are regular (`Regular`, `Copied` or smooth boundary rules).
 Jumps interfaceJumps(const Converted& converted);
+
+/// Spans whose Jacobian determinant is proven positive by its Bernstein coefficients (degree 8 per direction), and the
+/// others. Only the spans for which `consider(block, span)` holds.
+struct Validity
+{
+  bsv::Index valid = 0;
+  bsv::Index others = 0;
+};
+Validity provenValid(const Converted& converted, const std::function<bool(int block, const bsv::Ijk& span)>& consider);
 
 /// All control points and rules as one list that does not depend on numbering and orientation of the blocks: sorted by
 /// coordinates. Equal lists mean equal bits.

@@ -308,8 +308,8 @@ TEST(LayerRules, SameBitsWhereverTheFanStarts)
               << sectors << " sectors, first " << first;
             if (closed)
             {
-              const Fan body = reread(projectedFan(fan, projection, normal, twist), first, backwards);
-              const Fan other = projectedFan(reread(fan, first, backwards), projection, -normal, twist);
+              const Fan body = reread(projectedFan(fan, { projection, normal }, twist), first, backwards);
+              const Fan other = projectedFan(reread(fan, first, backwards), { projection, -normal }, twist);
               EXPECT_TRUE(body.spokes == other.spokes && body.sectors == other.sectors);
             }
           }
@@ -337,7 +337,7 @@ TEST(LayerRules, TwistFollowsTheSecondFundamentalForm)
       fan.sectors.push_back(height(direction(i) + direction(i + 1)));
     }
     const Vec3 normal(0, 0, 1);
-    const Fan rule = projectedFan(fan, Vec3::Zero(), normal, Twist::SecondFundamentalForm);
+    const Fan rule = projectedFan(fan, { Vec3::Zero(), normal }, Twist::SecondFundamentalForm);
     for (int i = 0; i < valence; ++i)
     {
       const Vec3 a = rule.spokes[i], b = rule.spokes[fan.nextSpoke(i)];
@@ -352,7 +352,7 @@ TEST(LayerRules, ProjectedFanTouchesTheGivenSurface)
   const Fan fan = bumpyFan(true, 5, 3);
   const Vec3 normal = Vec3(0.2, 0.1, 1.0).normalized();
   const Vec3 projection(0.02, -0.01, 0.2);
-  const Fan rule = projectedFan(fan, projection, normal, Twist::SecondFundamentalForm);
+  const Fan rule = projectedFan(fan, { projection, normal }, Twist::SecondFundamentalForm);
   EXPECT_EQ(rule.center, projection);
   for (const Vec3& x : rule.spokes)
   {
