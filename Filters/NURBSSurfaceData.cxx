@@ -64,8 +64,8 @@ int whole(double value, int low, int high, const char* name, const std::string& 
 {
   if (!(value >= low && value <= high) || value != std::floor(value))
   {
-    throw Error(label + ": field data array '" + name + "' holds " + std::to_string(value) +
-      ", no whole number in " + std::to_string(low) + ".." + std::to_string(high));
+    throw Error(label + ": field data array '" + name + "' holds " + std::to_string(value) + ", no whole number in " +
+      std::to_string(low) + ".." + std::to_string(high));
   }
   return static_cast<int>(value);
 }
@@ -90,8 +90,8 @@ void readLoops(vtkFieldData* fields, const std::string& label, std::vector<TrimL
     const std::size_t count = whole(curves[i + 2], 2, static_cast<int>(points.size() / 3), "TrimCurves", label);
     if (knot + count + curve.degree + 1 > knots.size() || 3 * (point + count) > points.size())
     {
-      throw Error(label + ": field data arrays 'TrimKnots' and 'TrimPoints' end before trimming curve " +
-        std::to_string(i / 3));
+      throw Error(
+        label + ": field data arrays 'TrimKnots' and 'TrimPoints' end before trimming curve " + std::to_string(i / 3));
     }
     curve.knots.assign(knots.begin() + knot, knots.begin() + knot + count + curve.degree + 1);
     bool rational = false;
@@ -151,8 +151,7 @@ BodyPatch readPatch(vtkStructuredGrid* grid, const std::string& name, const std:
   if (vtkAbstractArray* any = grid->GetPointData()->GetAbstractArray("Weights"))
   {
     auto* weights = vtkDataArray::SafeDownCast(any);
-    if (!weights || weights->GetNumberOfComponents() != 1 ||
-      weights->GetNumberOfTuples() != grid->GetNumberOfPoints())
+    if (!weights || weights->GetNumberOfComponents() != 1 || weights->GetNumberOfTuples() != grid->GetNumberOfPoints())
     {
       throw Error(label + ": point data array 'Weights' must hold one number a point");
     }
@@ -270,8 +269,8 @@ vtkSmartPointer<vtkStructuredGrid> patchGrid(const BodyPatch& patch, const std::
         knots.insert(knots.end(), curve.knots.begin(), curve.knots.end());
         for (std::size_t p = 0; p < curve.points.size(); ++p)
         {
-          controls.insert(controls.end(),
-            { curve.points[p][0], curve.points[p][1], curve.weights.empty() ? 1.0 : curve.weights[p] });
+          controls.insert(
+            controls.end(), { curve.points[p][0], curve.points[p][1], curve.weights.empty() ? 1.0 : curve.weights[p] });
         }
       }
     }

@@ -11,13 +11,13 @@
 /// | `KnotsU`, `KnotsV` | field | double | dimension + degree + 1, non-decreasing |
 /// | `Weights`      | point | double | 1: weight, positive; the points are not multiplied by it. Optional: all 1 |
 /// | `Reversed`     | field | int    | 1: not 0 if the outward normal is -(x_u x x_v). Optional: 0 |
-/// | `TrimCurves`   | field | int    | 3 per curve: index of its loop, degree, number of control points. Optional: untrimmed |
-/// | `TrimKnots`    | field | double | knots of all trimming curves, one after the other |
-/// | `TrimPoints`   | field | double | 3 per control point of all trimming curves: u, v, weight |
-/// | `Layer`        | field | string | 1: layer of the file. Optional |
+/// | `TrimCurves`   | field | int    | 3 per curve: index of its loop, degree, number of control points. Optional:
+/// untrimmed | | `TrimKnots`    | field | double | knots of all trimming curves, one after the other | | `TrimPoints`
+/// | field | double | 3 per control point of all trimming curves: u, v, weight | | `Layer`        | field | string | 1:
+/// layer of the file. Optional |
 ///
-/// The curves of a loop follow each other and close it; the patch is what lies inside an odd number of loops. The surface
-/// is a vtkPolyData of triangles with the point arrays
+/// The curves of a loop follow each other and close it; the patch is what lies inside an odd number of loops. The
+/// surface is a vtkPolyData of triangles with the point arrays
 ///
 /// | array     | type   | values |
 /// |-----------|--------|--------|

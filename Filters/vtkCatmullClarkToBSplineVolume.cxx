@@ -400,7 +400,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     // The conversion.
     for (const std::string& name : complex.boundaryNames)
     {
-      const bool isBody = static_cast<int>(options.roles.size()) == selected || bsv::matchesAny(this->BodyBoundaries, name);
+      const bool isBody =
+        static_cast<int>(options.roles.size()) == selected || bsv::matchesAny(this->BodyBoundaries, name);
       options.roles.push_back(isBody                        ? bsv::BoundaryRole::Body
           : bsv::matchesAny(this->SymmetryBoundaries, name) ? bsv::BoundaryRole::Symmetry
                                                             : bsv::BoundaryRole::Other);

@@ -87,12 +87,13 @@ public:
 
   ///@{
   /**
-   * What the wall's mesh points are: Catmull-Clark control points of it (CONTROL_NET), so that the wall lies inside
-   * convex mesh by about curvature h^2 / 6; or points of the body (ON_BODY), as in ordinary flow meshes. The wall's
-   * control mesh is then solved for, so that the wall interpolates the points, or with a body connected their closest
-   * points on it; PropagationRange says how far that reaches into the layers. AUTOMATIC (default) takes the control net
-   * without a body, and with one whichever of the mesh points and their limit points lie closer to it; the report says
-   * what was chosen and both distances.
+   * What the wall's mesh points are: Catmull-Clark control points of it (CONTROL_NET), which shrink a convex body by
+   * about curvature h^2 / 6; or points of the body (ON_BODY), as in ordinary flow meshes. The wall's control mesh is
+   * then solved for, so that its limit points are the mesh points, or with a body connected their closest points on
+   * it. The converted wall interpolates them, except next to extraordinary vertices, where it is close only.
+   * PropagationRange says how far all this reaches into the layers. AUTOMATIC (default) takes the control net without a body, and with one
+   * whichever of the mesh points and their limit points lie closer to it; the report says what was chosen and both
+   * distances.
    */
   vtkSetClampMacro(InputPoints, int, AUTOMATIC, ON_BODY);
   vtkGetMacro(InputPoints, int);
@@ -249,7 +250,8 @@ public:
   vtkDataArray* GetControlPointsPerRule();
 
   /**
-   * All of it as a text: totals, how the wall's points were taken, extraordinary curves per valence, boundaries with their roles, one line per block.
+   * All of it as a text: totals, how the wall's points were taken, extraordinary curves per valence, boundaries with
+   * their roles, one line per block.
    */
   const char* GetReport() const { return this->Report.c_str(); }
 

@@ -202,7 +202,8 @@ NURBSFileContent parseG2(const std::string& text, const std::string& fileName)
       const int order = in.integer("the order", 2, MaxSurfaceDegree + 1);
       if (order > count)
       {
-        in.fail("the order " + std::to_string(order) + " exceeds the number of control points " + std::to_string(count));
+        in.fail(
+          "the order " + std::to_string(order) + " exceeds the number of control points " + std::to_string(count));
       }
       points *= count;
       in.expect(points * dimension);
@@ -343,7 +344,8 @@ NURBSFileContent readNURBSFile(const std::string& fileName, double tolerance, co
   {
     // Says why, if it cannot even be opened.
     const std::string text = readAll(fileName);
-    throw Error(fileName + (text.empty() ? ": the file is empty" : ": neither an IGES, STEP, BREP nor a GoTools g2 file"));
+    throw Error(
+      fileName + (text.empty() ? ": the file is empty" : ": neither an IGES, STEP, BREP nor a GoTools g2 file"));
   }
   NURBSFileContent content;
   if (format == "GoTools g2")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The only file that includes OpenCASCADE.
+// The only file of the modules that includes OpenCASCADE.
 #include "NURBSFile.h"
 
 #ifndef BSPLINEVOLUME_WITH_OPENCASCADE
@@ -44,6 +44,9 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <IGESData_GlobalSection.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <Interface_Check.hxx>
+#include <Interface_InterfaceModel.hxx>
+#include <Interface_ReportEntity.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
@@ -72,6 +75,7 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <memory>
 #include <mutex>
 #include <sstream>
+#include <unordered_set>
 
 namespace bsv
 {
@@ -154,8 +158,9 @@ void checkIGES(const std::string& fileName)
     }
     if (text.size() < 80 || order.find(text[72]) == std::string::npos)
     {
-      failAt(fileName, line, "not a card of 80 columns with its section (S, G, D, P or T) in column 73; the file is "
-                             "truncated or corrupt");
+      failAt(fileName, line,
+        "not a card of 80 columns with its section (S, G, D, P or T) in column 73; the file is "
+        "truncated or corrupt");
     }
     if (order.find(text[72]) < order.find(last))
     {
@@ -191,6 +196,65 @@ void checkIGES(const std::string& fileName)
   }
 }
 
+/// Refuses STEP files that refer to entities they do not hold: OpenCASCADE takes what is left of them.
+void checkSTEPReferences(const std::string& fileName, const std::string& text)
+{
+  std::unordered_set<long> defined;
+  std::vector<std::pair<long, std::size_t>> used;
+  std::size_t line = 1;
+  bool inStatement = false;
+  for (std::size_t i = 0; i < text.size(); ++i)
+  {
+    const char c = text[i];
+    if (c == '\n')
+    {
+      ++line;
+    }
+    else if (c == '\'' || text.compare(i, 2, "/*") == 0)
+    {
+      // Strings and comments say nothing.
+      const std::size_t end = c == '\'' ? text.find('\'', i + 1) : text.find("*/", i + 2);
+      if (end == std::string::npos)
+      {
+        failAt(fileName, line, "a string or comment does not end; the file is truncated or corrupt");
+      }
+      line += static_cast<std::size_t>(std::count(text.begin() + i, text.begin() + end, '\n'));
+      i = end + (c == '\'' ? 0 : 1);
+    }
+    else if (c == ';')
+    {
+      inStatement = false;
+    }
+    else if (c == '#')
+    {
+      char* end = nullptr;
+      const long id = std::strtol(text.c_str() + i + 1, &end, 10);
+      if (inStatement)
+      {
+        used.emplace_back(id, line);
+      }
+      else
+      {
+        defined.insert(id);
+        inStatement = true;
+      }
+      i = static_cast<std::size_t>(end - text.c_str()) - 1;
+    }
+    else if (!std::isspace(static_cast<unsigned char>(c)))
+    {
+      inStatement = true;
+    }
+  }
+  for (const auto& use : used)
+  {
+    if (defined.count(use.first) == 0)
+    {
+      failAt(fileName, use.second, "entity #" + std::to_string(use.first) + " is used but nowhere defined");
+    }
+  }
+}
+
+/// Refuses STEP and BREP files without their end.
 void checkEnd(const std::string& fileName, const std::string& format)
 {
   std::ifstream stream(fileName, std::ios::binary);
@@ -200,10 +264,12 @@ void checkEnd(const std::string& fileName, const std::string& format)
   {
     const std::size_t end = text.find_last_not_of(" \t\r\n");
     const std::string mark = "END-ISO-10303-21;";
-    if (end == std::string::npos || end + 1 < mark.size() || text.compare(end + 1 - mark.size(), mark.size(), mark) != 0)
+    if (end == std::string::npos || end + 1 < mark.size() ||
+      text.compare(end + 1 - mark.size(), mark.size(), mark) != 0)
     {
       failAt(fileName, line, "the file does not end with '" + mark + "'; it is truncated or corrupt");
     }
+    checkSTEPReferences(fileName, text);
     return;
   }
   for (const char* section : { "\nLocations ", "\nCurve2ds ", "\nCurves ", "\nPolygon3D ", "\nPolygonOnTriangulations ",
@@ -211,7 +277,8 @@ void checkEnd(const std::string& fileName, const std::string& format)
   {
     if (text.find(section) == std::string::npos)
     {
-      failAt(fileName, line, std::string("the file has no section '") + (section + 1) + "'; it is truncated or corrupt");
+      failAt(
+        fileName, line, std::string("the file has no section '") + (section + 1) + "'; it is truncated or corrupt");
     }
   }
   // The last shapes are: "*" (no more parts of the last one), then an orientation, an index and a location.
@@ -795,6 +862,26 @@ struct FaceNames
   std::function<std::string(const TopoDS_Face&)> layer = [](const TopoDS_Face&) { return std::string(); };
 };
 
+/// Refuses files of which an entity could not be read as what it claims to be: what refers to it would meet nothing, at
+/// which OpenCASCADE does not look.
+void checkEntities(const Handle(Interface_InterfaceModel) & model, const std::string& fileName)
+{
+  for (int i = 1; i <= model->NbEntities(); ++i)
+  {
+    if (!model->IsReportEntity(i))
+    {
+      continue;
+    }
+    const Handle(Interface_Check) check = model->ReportEntity(i)->Check();
+    if (!check.IsNull() && check->HasFailed())
+    {
+      const Handle(TCollection_HAsciiString) label = model->StringLabel(model->Value(i));
+      throw Error(
+        fileName + ": entity " + (label.IsNull() ? std::to_string(i) : textOf(label)) + ": " + check->CFail(1));
+    }
+  }
+}
+
 /// Shapes of all roots, and the roots of which nothing came.
 TopoDS_Shape transfer(XSControl_Reader& reader, NURBSFileContent& content)
 {
@@ -856,6 +943,7 @@ NURBSFileContent readCADFile(
       {
         throw Error(fileName + ": OpenCASCADE cannot read it as an IGES file");
       }
+      checkEntities(iges.IGESModel(), fileName);
       content.unit = igesUnit(iges.IGESModel()->GlobalSection());
       if (content.unit > 0.0)
       {
@@ -863,7 +951,8 @@ NURBSFileContent readCADFile(
       }
       shape = transfer(iges, content);
       const auto entity = [&iges](const TopoDS_Face& face) {
-        return Handle(IGESData_IGESEntity)::DownCast(iges.WS()->TransferReader()->EntityFromShapeResult(face, AnyResult));
+        return Handle(IGESData_IGESEntity)::DownCast(
+          iges.WS()->TransferReader()->EntityFromShapeResult(face, AnyResult));
       };
       names.name = [entity](const TopoDS_Face& face) {
         const Handle(IGESData_IGESEntity) found = entity(face);
@@ -880,6 +969,7 @@ NURBSFileContent readCADFile(
       {
         throw Error(fileName + ": OpenCASCADE cannot read it as a STEP file");
       }
+      checkEntities(step.Model(), fileName);
       TColStd_SequenceOfAsciiString lengths, angles, solidAngles;
       step.FileUnits(lengths, angles, solidAngles);
       content.unit = lengths.IsEmpty() ? 0.0 : metres(lengths.First().ToCString());

@@ -32,8 +32,8 @@ struct UnitEntry
 };
 
 /// In the order of vtkNURBSSurfaceReader::Unit.
-constexpr UnitEntry Units[] = { { "as in file", 0.0 }, { "metre", 1.0 }, { "centimetre", 1e-2 },
-  { "millimetre", 1e-3 }, { "micrometre", 1e-6 }, { "kilometre", 1e3 }, { "inch", 0.0254 }, { "foot", 0.3048 } };
+constexpr UnitEntry Units[] = { { "as in file", 0.0 }, { "metre", 1.0 }, { "centimetre", 1e-2 }, { "millimetre", 1e-3 },
+  { "micrometre", 1e-6 }, { "kilometre", 1e3 }, { "inch", 0.0254 }, { "foot", 0.3048 } };
 
 std::string unitName(double metres)
 {

@@ -5,16 +5,16 @@
  *
  * IGES, STEP and BREP are read through OpenCASCADE, if the reader was built with it; `.g2` (spline surfaces, class 200)
  * always. B-spline surfaces keep their control points, weights and knots bit for bit, up to the scaling between units;
- * planes, cylinders, cones, spheres, tori, surfaces of revolution and of extrusion become NURBS exactly. Faces keep their
- * trimming curves. A curve in the parameters of a surface that had to be converted is carried over to the
- * new parameters, to 1e-12 of their range. A face bounded by the sides of its surface counts as untrimmed. Offset
- * surfaces have no exact NURBS form; they are approximated, which a warning says.
+ * planes, cylinders, cones, spheres, tori, surfaces of revolution and of extrusion become NURBS exactly. Faces keep
+ * their trimming curves. A curve in the parameters of a surface that had to be converted is carried over to the new
+ * parameters, to 1e-12 of their range. A face bounded by the sides of its surface counts as untrimmed. Offset surfaces
+ * have no exact NURBS form; they are approximated, which a warning says.
  *
  * Output: a vtkPartitionedDataSetCollection with the assembly `/body/patches/<name>` and `/body/surface`, in
- * the arrays of NURBSSurfaceData.h. Patches have the names of the file's faces, or `Face n` without one; IGES levels and
- * STEP layers become the field array `Layer` of a patch. Field data of the collection: the strings `Format`,
- * `DeclaredUnit`, `LengthUnit`, and `NotRead` with the names of what the file holds besides surfaces, beside the int array
- * `NotReadCount`; a warning says the same.
+ * the arrays of NURBSSurfaceData.h. Patches have the names of the file's faces, or `Face n` without one; IGES levels
+ * and STEP layers become the field array `Layer` of a patch. Field data of the collection: the strings `Format`,
+ * `DeclaredUnit`, `LengthUnit`, and `NotRead` with the names of what the file holds besides surfaces, beside the int
+ * array `NotReadCount`; a warning says the same.
  *
  * A file that is damaged or holds no surface ends in one error that names the file (and the line, where the format has
  * lines), with the error code set and the output empty.
@@ -61,8 +61,9 @@ public:
 
   ///@{
   /**
-   * Unit of the output, which should be that of the mesh. AS_IN_FILE keeps the numbers of the file as they are. Any other
-   * unit is an error if the unit of the file is known neither from the file nor from FileUnit. Default: AS_IN_FILE.
+   * Unit of the output, which should be that of the mesh. AS_IN_FILE keeps the numbers of the file as they are. Any
+   * other unit is an error if the unit of the file is known neither from the file nor from FileUnit. Default:
+   * AS_IN_FILE.
    */
   vtkSetClampMacro(LengthUnit, int, AS_IN_FILE, FOOT);
   vtkGetMacro(LengthUnit, int);
@@ -79,8 +80,8 @@ public:
 
   ///@{
   /**
-   * Largest distance of the tessellation from the surface as a fraction of the body's size. Greater than 0 and at most 1,
-   * default 0.0005. The patches, on which all computations are done, do not depend on it.
+   * Largest distance of the tessellation from the surface as a fraction of the body's size. Greater than 0 and at most
+   * 1, default 0.0005. The patches, on which all computations are done, do not depend on it.
    */
   vtkSetClampMacro(TessellationTolerance, double, 1e-8, 1.0);
   vtkGetMacro(TessellationTolerance, double);
@@ -88,8 +89,8 @@ public:
 
   ///@{
   /**
-   * What was found: format, unit that the file declares ("unknown" if none), numbers of patches, of trimmed and of rational
-   * ones, and what was left out. Set by the last update.
+   * What was found: format, unit that the file declares ("unknown" if none), numbers of patches, of trimmed and of
+   * rational ones, and what was left out. Set by the last update.
    */
   vtkGetCharFromStdStringMacro(Format);
   vtkGetCharFromStdStringMacro(DeclaredUnit);

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <iterator>
+#include <limits>
 #include <tuple>
 
 namespace bsv
@@ -30,6 +30,8 @@ constexpr double SmallestCell = 2e-4;
 constexpr double CrossedCells = 100.0;
 /// ... or they were halved so often.
 constexpr int MaxHalvings = 40;
+/// How often a cell is halved, in both directions, where the distance may have several minima on it.
+constexpr int HollowHalvings = 2;
 /// Part of its own size by which an iteration may leave its cell.
 constexpr double CellMargin = 0.25;
 /// Rational tangents are not in the hull of the control net's differences: their variation is taken larger.
@@ -166,9 +168,8 @@ public:
 private:
   void halve(std::vector<Vec4>& net, double u0, double u1, double v0, double v1, int left)
   {
-    const TrimRegion::Place place = this->Region.empty()
-      ? TrimRegion::Place::Inside
-      : this->Region.classify(Box2(Vec2(u0, v0), Vec2(u1, v1)));
+    const TrimRegion::Place place =
+      this->Region.empty() ? TrimRegion::Place::Inside : this->Region.classify(Box2(Vec2(u0, v0), Vec2(u1, v1)));
     if (place == TrimRegion::Place::Outside)
     {
       return;
@@ -278,8 +279,8 @@ private:
 };
 
 /// Cells of one edge. Their boxes come from samples and are widened by twice the sag that the samples show.
-void edgeCells(const NURBSSurface& surface, const ParameterCurve& curve, int index, double smallest,
-  std::vector<Cell>& cells)
+void edgeCells(
+  const NURBSSurface& surface, const ParameterCurve& curve, int index, double smallest, std::vector<Cell>& cells)
 {
   std::array<std::vector<double>, 2> knots;
   for (int d = 0; d < 2; ++d)
@@ -421,8 +422,10 @@ struct BodySurface::Locator
   void visit(const std::vector<Node>& tree, const std::vector<Index>& order, const Vec3& query, const double& limit,
     const Body& body) const;
   bool mayHoldFootPoint(const Cell& cell, const Vec3& query) const;
-  void searchPiece(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const;
-  bool descend(const Cell& cell, const Vec3& query, const Vec2& start, Candidate& found) const;
+  void searchPiece(const Cell& cell, const Box2& range, int halvings, const Vec3& query, double limit,
+    std::vector<Candidate>& found) const;
+  /// Foot point near a part of a cell, if the distance has a minimum there.
+  bool descend(const Cell& cell, const Box2& range, const Vec3& query, Candidate& found) const;
   void searchEdge(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const;
   void polish(const Vec3& query, Candidate& candidate) const;
   /// All candidates that are closer than the least distance plus `tolerance`.
@@ -473,7 +476,8 @@ void BodySurface::Locator::build(const Execution& run)
       {
         CellMaker(part.pieces[k], static_cast<int>(k), this->regions[i], smallest, part.cells).run();
       }
-      for (const TrimLoop& loop : patch.loops.empty() ? std::vector<TrimLoop>{ domainLoop(patch.surface) } : patch.loops)
+      for (const TrimLoop& loop :
+        patch.loops.empty() ? std::vector<TrimLoop>{ domainLoop(patch.surface) } : patch.loops)
       {
         for (const ParameterCurve& curve : loop)
         {
@@ -516,8 +520,7 @@ void BodySurface::Locator::build(const Execution& run)
   this->buildTree(this->edgeNodes, this->edgeCellOrder, 0, static_cast<Index>(this->edgeCellOrder.size()));
 }
 
-Index BodySurface::Locator::buildTree(
-  std::vector<Node>& tree, std::vector<Index>& order, Index begin, Index end) const
+Index BodySurface::Locator::buildTree(std::vector<Node>& tree, std::vector<Index>& order, Index begin, Index end) const
 {
   const Index self = static_cast<Index>(tree.size());
   Node node;
@@ -615,45 +618,79 @@ bool BodySurface::Locator::mayHoldFootPoint(const Cell& cell, const Vec3& query)
   return !never(cell.tangentU, cell.spreadU) && (cell.piece < 0 || !never(cell.tangentV, cell.spreadV));
 }
 
-void BodySurface::Locator::searchPiece(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const
+void BodySurface::Locator::searchPiece(const Cell& cell, const Box2& range, int halvings, const Vec3& query,
+  double limit, std::vector<Candidate>& found) const
 {
+  const NURBSSurface& surface = this->pieces[cell.piece].surface;
+  const Vec2 middle = range.center();
+  // Near enough |x_uu|, at most about twice the change of the tangent from the middle of the cell, cannot matter. But
+  // on the hollow side, beyond the centres of curvature, the distance may have several minima on a cell.
+  const double reach = (cell.center - query).norm() + cell.radius;
+  const bool near = 6.0 * reach * cell.spreadU < cell.tangentU.squaredNorm() &&
+    6.0 * reach * cell.spreadV < cell.tangentV.squaredNorm() &&
+    6.0 * reach * std::max(cell.spreadU, cell.spreadV) < cell.tangentU.norm() * cell.tangentV.norm();
+  if (!near)
+  {
+    const SurfaceDerivatives center = evaluate(surface, middle[0], middle[1]);
+    if (halvings < HollowHalvings)
+    {
+      // The tests that the whole cell has passed, for its part.
+      const double part = std::ldexp(1.0, halvings - HollowHalvings);
+      const Vec3 r = center.x - query;
+      const double length = r.norm();
+      const double radius = 1.25 * part * cell.radius;
+      const auto never = [&](const Vec3& tangent, double spread) {
+        return std::abs(r.dot(tangent)) > length * spread + radius * (tangent.norm() + spread);
+      };
+      const Vec2 extent = range.diagonal();
+      if (length - radius > limit || never(extent[0] * center.u, 2.0 * part * part * cell.spreadU) ||
+        never(extent[1] * center.v, 2.0 * part * part * cell.spreadV))
+      {
+        return;
+      }
+    }
+    const auto convex = [&](const SurfaceDerivatives& at) {
+      const Vec3 r = at.x - query;
+      const double E = at.u.squaredNorm();
+      const double G = at.v.squaredNorm();
+      const double F = at.u.dot(at.v);
+      const double huu = E + r.dot(at.uu);
+      const double huv = F + r.dot(at.uv);
+      const double hvv = G + r.dot(at.vv);
+      return huu > 0.5 * E && hvv > 0.5 * G && huu * hvv - huv * huv > 0.25 * (E * G - F * F);
+    };
+    const auto convexAt = [&](double u, double v) { return convex(evaluate(surface, u, v)); };
+    const Vec2& low = range.min();
+    const Vec2& high = range.max();
+    if (halvings > 0 &&
+      !(convex(center) && convexAt(low[0], low[1]) && convexAt(high[0], high[1]) && convexAt(low[0], high[1]) &&
+        convexAt(high[0], low[1])))
+    {
+      for (int quarter = 0; quarter < 4; ++quarter)
+      {
+        const Vec2 corner(quarter % 2 == 0 ? low[0] : high[0], quarter / 2 == 0 ? low[1] : high[1]);
+        this->searchPiece(
+          cell, Box2(corner.cwiseMin(middle), corner.cwiseMax(middle)), halvings - 1, query, limit, found);
+      }
+      return;
+    }
+  }
   Candidate candidate;
-  const Vec2 middle(0.5 * (cell.u0 + cell.u1), 0.5 * (cell.v0 + cell.v1));
-  if (this->descend(cell, query, middle, candidate))
+  if (this->descend(cell, range, query, candidate))
   {
     found.push_back(candidate);
   }
-  // On the hollow side, beyond the centres of curvature, the distance may have several minima on a cell.
-  const SurfaceDerivatives at = evaluate(this->pieces[cell.piece].surface, middle[0], middle[1]);
-  const Vec3 r = at.x - query;
-  const double E = at.u.squaredNorm();
-  const double G = at.v.squaredNorm();
-  const double F = at.u.dot(at.v);
-  const double huu = E + r.dot(at.uu);
-  const double huv = F + r.dot(at.uv);
-  const double hvv = G + r.dot(at.vv);
-  const bool convex = huu > 0.5 * E && hvv > 0.5 * G && huu * hvv - huv * huv > 0.25 * (E * G - F * F);
-  for (int quarter = 0; !convex && quarter < 4; ++quarter)
-  {
-    const Vec2 start(middle[0] + (quarter % 2 == 0 ? -0.25 : 0.25) * (cell.u1 - cell.u0),
-      middle[1] + (quarter / 2 == 0 ? -0.25 : 0.25) * (cell.v1 - cell.v0));
-    if (this->descend(cell, query, start, candidate))
-    {
-      found.push_back(candidate);
-    }
-  }
 }
 
-bool BodySurface::Locator::descend(const Cell& cell, const Vec3& query, const Vec2& start, Candidate& found) const
+bool BodySurface::Locator::descend(const Cell& cell, const Box2& range, const Vec3& query, Candidate& found) const
 {
   const Piece& piece = this->pieces[cell.piece];
   const NURBSSurface& surface = piece.surface;
-  const double marginU = CellMargin * (cell.u1 - cell.u0);
-  const double marginV = CellMargin * (cell.v1 - cell.v0);
-  const Vec2 low(std::max(cell.u0 - marginU, surface.first(0)), std::max(cell.v0 - marginV, surface.first(1)));
-  const Vec2 high(std::min(cell.u1 + marginU, surface.last(0)), std::min(cell.v1 + marginV, surface.last(1)));
+  const Vec2 margin = CellMargin * range.diagonal();
+  const Vec2 low = (range.min() - margin).cwiseMax(Vec2(surface.first(0), surface.first(1)));
+  const Vec2 high = (range.max() + margin).cwiseMin(Vec2(surface.last(0), surface.last(1)));
 
-  Vec2 uv = start;
+  Vec2 uv = range.center();
   SurfaceDerivatives at = evaluate(surface, uv[0], uv[1]);
   Vec3 r = at.x - query;
   double value = r.squaredNorm();
@@ -886,17 +923,19 @@ std::vector<Candidate> BodySurface::Locator::candidates(const Vec3& query, doubl
       limit = std::min(limit, candidate.distance + tolerance);
     }
   };
-  this->visit(edgesOnly ? this->edgeNodes : this->nodes, edgesOnly ? this->edgeCellOrder : this->cellOrder, query, limit,
-    [&](const Cell& cell) {
+  this->visit(edgesOnly ? this->edgeNodes : this->nodes, edgesOnly ? this->edgeCellOrder : this->cellOrder, query,
+    limit, [&](const Cell& cell) {
       ofCell.clear();
-      cell.piece < 0 ? this->searchEdge(cell, query, ofCell) : this->searchPiece(cell, query, ofCell);
+      cell.piece < 0 ? this->searchEdge(cell, query, ofCell)
+                     : this->searchPiece(cell, Box2(Vec2(cell.u0, cell.v0), Vec2(cell.u1, cell.v1)), HollowHalvings,
+                         query, limit, ofCell);
       for (const Candidate& candidate : ofCell)
       {
         submit(candidate);
       }
     });
-  found.erase(std::remove_if(found.begin(), found.end(), [&](const Candidate& c) { return c.distance > limit; }),
-    found.end());
+  found.erase(
+    std::remove_if(found.begin(), found.end(), [&](const Candidate& c) { return c.distance > limit; }), found.end());
   for (Candidate& candidate : found)
   {
     this->polish(query, candidate);
@@ -936,19 +975,28 @@ BodyPoint BodySurface::Locator::closest(const Vec3& query, bool edgesOnly) const
   {
     return {};
   }
-  // Beside a foot point distances differ by less than rounding: there a foot point is better than a point on an edge.
-  const Candidate* best = &found.front();
-  const auto better = [&](const Candidate& a, const Candidate& b) {
-    const double rounding = 1e-15 * (this->size + std::min(a.distance, b.distance));
-    if (a.onEdge != b.onEdge && std::abs(a.distance - b.distance) <= rounding)
-    {
-      return b.onEdge;
-    }
-    return a.distance != b.distance ? a.distance < b.distance : owns(a, b);
-  };
+  // Around a foot point distances differ by less than rounding. There the connecting vector decides: the one that is
+  // most nearly normal to the surface. (At poles, where parameters say little, this is the pole itself.)
+  double least = std::numeric_limits<double>::infinity();
   for (const Candidate& candidate : found)
   {
-    best = better(candidate, *best) ? &candidate : best;
+    least = std::min(least, candidate.distance);
+  }
+  const double rounding = 1e-15 * (this->size + least);
+  const Candidate* best = nullptr;
+  double bestResidual = 0.0;
+  for (const Candidate& candidate : found)
+  {
+    if (candidate.distance <= least + rounding)
+    {
+      const Vec3 normal = surfaceGeometry(this->patches[candidate.patch].surface, candidate.u, candidate.v).normal;
+      const double residual = normal.cross(query - candidate.point).norm();
+      if (!best || residual < bestResidual || (residual == bestResidual && owns(candidate, *best)))
+      {
+        best = &candidate;
+        bestResidual = residual;
+      }
+    }
   }
   const Candidate* owner = best;
   for (const Candidate& candidate : found)

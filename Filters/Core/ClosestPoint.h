@@ -2,12 +2,12 @@
 /// @file ClosestPoint.h
 /// Closest points on a body of trimmed rational B-spline patches.
 ///
-/// The closest point of a patch is a foot point inside its trimming loops, or lies on one of its edges: trimming curves,
-/// sides of an untrimmed domain, and kinks (inner knots of multiplicity degree). Patches and edges are cut, once, into
-/// small cells on which directions of tangents vary by less than about 10 degrees, with boxes from their Bezier points.
-/// A query visits the cells of a bounding volume tree in the order of their least possible distance, skips those that
-/// cannot hold a foot point because a tangent direction never becomes normal to the connecting vector, and runs a
-/// safeguarded Newton iteration on the exact surface or edge in the others, until no cell can be closer.
+/// The closest point of a patch is a foot point inside its trimming loops, or lies on one of its edges: trimming
+/// curves, sides of an untrimmed domain, and kinks (inner knots of multiplicity degree). Patches and edges are cut,
+/// once, into small cells on which directions of tangents vary by less than about 10 degrees, with boxes from their
+/// Bezier points. A query visits the cells of a bounding volume tree in the order of their least possible distance,
+/// skips those that cannot hold a foot point because a tangent direction never becomes normal to the connecting vector,
+/// and runs a safeguarded Newton iteration on the exact surface or edge in the others, until no cell can be closer.
 ///
 /// A result depends on the query and the body alone: not on threads, nor on other queries.
 #pragma once

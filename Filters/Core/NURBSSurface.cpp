@@ -98,6 +98,70 @@ void basisAt(int degree, const std::vector<double>& knots, double u, Basis& basi
   }
 }
 
+/// Sums of control points (times weights) and products of derivatives du and dv of the basis, du + dv <= 2.
+template <typename Vector, typename At>
+void tensorSums(const NURBSSurface& surface, const Basis (&basis)[2], const At& at, Vector (&sums)[3][3])
+{
+  for (auto& row : sums)
+  {
+    std::fill(row, row + 3, Vector::Zero());
+  }
+  const std::size_t rowLength = surface.count(0);
+  for (int b = 0; b <= surface.degree[1]; ++b)
+  {
+    const std::size_t first = (basis[1].first + b) * rowLength + basis[0].first;
+    Vector row[3] = { Vector::Zero(), Vector::Zero(), Vector::Zero() };
+    for (int a = 0; a <= surface.degree[0]; ++a)
+    {
+      const Vector point = at(first + a);
+      for (int d = 0; d < 3; ++d)
+      {
+        row[d] += basis[0].values[d][a] * point;
+      }
+    }
+    for (int du = 0; du < 3; ++du)
+    {
+      for (int dv = 0; du + dv < 3; ++dv)
+      {
+        sums[du][dv] += basis[1].values[dv][b] * row[du];
+      }
+    }
+  }
+}
+
+SurfaceDerivatives polynomialDerivatives(const NURBSSurface& surface, const Basis (&basis)[2])
+{
+  Vec3 sums[3][3];
+  tensorSums(
+    surface, basis, [&](std::size_t i) -> const Vec3& { return surface.points[i]; }, sums);
+  return { sums[0][0], sums[1][0], sums[0][1], sums[2][0], sums[1][1], sums[0][2] };
+}
+
+SurfaceDerivatives rationalDerivatives(const NURBSSurface& surface, const Basis (&basis)[2])
+{
+  using Vec4 = Eigen::Vector4d;
+  Vec4 sums[3][3];
+  tensorSums(
+    surface, basis,
+    [&](std::size_t i) -> Vec4 {
+      const Vec3& p = surface.points[i];
+      return surface.weights[i] * Vec4(p[0], p[1], p[2], 1.0);
+    },
+    sums);
+  SurfaceDerivatives result{ sums[0][0].head<3>(), sums[1][0].head<3>(), sums[0][1].head<3>(), sums[2][0].head<3>(),
+    sums[1][1].head<3>(), sums[0][2].head<3>() };
+  const double scale = 1.0 / sums[0][0][3];
+  const double wu = sums[1][0][3];
+  const double wv = sums[0][1][3];
+  result.x *= scale;
+  result.u = (result.u - wu * result.x) * scale;
+  result.v = (result.v - wv * result.x) * scale;
+  result.uu = (result.uu - 2.0 * wu * result.u - sums[2][0][3] * result.x) * scale;
+  result.uv = (result.uv - wu * result.v - wv * result.u - sums[1][1][3] * result.x) * scale;
+  result.vv = (result.vv - 2.0 * wv * result.v - sums[0][2][3] * result.x) * scale;
+  return result;
+}
+
 double clampTo(double value, double low, double high)
 {
   return std::min(std::max(value, low), high);
@@ -139,7 +203,8 @@ void checkKnots(int degree, const std::vector<double>& knots, const std::string&
 }
 
 template <typename Points>
-void checkPoints(const Points& points, const std::vector<double>& weights, std::size_t expected, const std::string& name)
+void checkPoints(
+  const Points& points, const std::vector<double>& weights, std::size_t expected, const std::string& name)
 {
   if (points.size() != expected)
   {
@@ -250,56 +315,7 @@ SurfaceDerivatives evaluate(const NURBSSurface& surface, double u, double v)
   basisAt(surface.degree[0], surface.knots[0], clampTo(u, surface.first(0), surface.last(0)), basis[0]);
   basisAt(surface.degree[1], surface.knots[1], clampTo(v, surface.first(1), surface.last(1)), basis[1]);
 
-  // Homogeneous sums S[du][dv] with du + dv <= 2; the fourth component is the weight.
-  using Vec4 = Eigen::Vector4d;
-  Vec4 sums[3][3];
-  for (auto& row : sums)
-  {
-    std::fill(row, row + 3, Vec4::Zero());
-  }
-  const int rowLength = surface.count(0);
-  for (int b = 0; b <= surface.degree[1]; ++b)
-  {
-    const std::size_t at =
-      static_cast<std::size_t>(basis[1].first + b) * static_cast<std::size_t>(rowLength) + basis[0].first;
-    Vec4 row[3] = { Vec4::Zero(), Vec4::Zero(), Vec4::Zero() };
-    for (int a = 0; a <= surface.degree[0]; ++a)
-    {
-      const Vec3& p = surface.points[at + a];
-      Vec4 h(p[0], p[1], p[2], 1.0);
-      if (surface.rational())
-      {
-        h *= surface.weights[at + a];
-      }
-      for (int d = 0; d < 3; ++d)
-      {
-        row[d] += basis[0].values[d][a] * h;
-      }
-    }
-    for (int du = 0; du < 3; ++du)
-    {
-      for (int dv = 0; du + dv < 3; ++dv)
-      {
-        sums[du][dv] += basis[1].values[dv][b] * row[du];
-      }
-    }
-  }
-
-  SurfaceDerivatives result{ sums[0][0].head<3>(), sums[1][0].head<3>(), sums[0][1].head<3>(), sums[2][0].head<3>(),
-    sums[1][1].head<3>(), sums[0][2].head<3>() };
-  if (surface.rational())
-  {
-    const double scale = 1.0 / sums[0][0][3];
-    const double wu = sums[1][0][3];
-    const double wv = sums[0][1][3];
-    result.x *= scale;
-    result.u = (result.u - wu * result.x) * scale;
-    result.v = (result.v - wv * result.x) * scale;
-    result.uu = (result.uu - 2.0 * wu * result.u - sums[2][0][3] * result.x) * scale;
-    result.uv = (result.uv - wu * result.v - wv * result.u - sums[1][1][3] * result.x) * scale;
-    result.vv = (result.vv - 2.0 * wv * result.v - sums[0][2][3] * result.x) * scale;
-  }
-  return result;
+  return surface.rational() ? rationalDerivatives(surface, basis) : polynomialDerivatives(surface, basis);
 }
 
 std::array<Vec2, 3> evaluate(const ParameterCurve& curve, double t)
@@ -364,8 +380,8 @@ SurfaceGeometry surfaceGeometry(const NURBSSurface& surface, double u, double v,
   }
   else
   {
-    // The limit from inside, extrapolated linearly from two points towards the middle of the domain. The steps are small
-    // enough for the linear term and large enough for derivatives that are divided by the distance to the pole.
+    // The limit from inside, extrapolated linearly from two points towards the middle of the domain. The steps are
+    // small enough for the linear term and large enough for derivatives that are divided by the distance to the pole.
     const double middleU = 0.5 * (surface.first(0) + surface.last(0));
     const double middleV = 0.5 * (surface.first(1) + surface.last(1));
     const double cu = clampTo(u, surface.first(0), surface.last(0));

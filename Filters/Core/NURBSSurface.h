@@ -70,9 +70,9 @@ struct BodyPatch
   bool reversed = false;
 };
 
-/// @throws Error, beginning with `name`, unless degrees are 1..MaxSurfaceDegree, knot vectors are finite, non-decreasing,
-/// at least 2 (degree + 1) long, with a non-empty domain, and repeat no knot inside it more than degree times; there is
-/// one finite point per pair of basis functions; weights, if any, are as many, finite and positive.
+/// @throws Error, beginning with `name`, unless degrees are 1..MaxSurfaceDegree, knot vectors are finite,
+/// non-decreasing, at least 2 (degree + 1) long, with a non-empty domain, and repeat no knot inside it more than degree
+/// times; there is one finite point per pair of basis functions; weights, if any, are as many, finite and positive.
 void checkNURBSSurface(const NURBSSurface& surface, const std::string& name);
 
 /// The same for the surface and the trimming curves of a patch. @throws Error, beginning with `name`.
@@ -84,8 +84,8 @@ struct SurfaceDerivatives
   Vec3 x, u, v, uu, uv, vv;
 };
 
-/// Value and derivatives up to the second at (u,v), which is moved into the domain. On a knot the polynomial of the span
-/// to its right is taken, on the last knot that of the last span.
+/// Value and derivatives up to the second at (u,v), which is moved into the domain. On a knot the polynomial of the
+/// span to its right is taken, on the last knot that of the last span.
 SurfaceDerivatives evaluate(const NURBSSurface& surface, double u, double v);
 
 /// Point of a trimming curve and its first two derivatives, at `t` moved into the curve's domain.
@@ -112,9 +112,9 @@ struct SurfaceGeometry
 /// curvature change their sign with it.
 SurfaceGeometry surfaceGeometry(const NURBSSurface& surface, double u, double v, bool reversed = false);
 
-/// Area of the patch, trimmed: Gauss quadrature of the integral over the enclosed domain, turned into one along the loops
-/// by Green's theorem. Loops do not cross; their orientation does not matter. `tolerance` is the relative error at which
-/// halving of intervals stops.
+/// Area of the patch, trimmed: Gauss quadrature of the integral over the enclosed domain, turned into one along the
+/// loops by Green's theorem. Loops do not cross; their orientation does not matter. `tolerance` is the relative error
+/// at which halving of intervals stops.
 double patchArea(const BodyPatch& patch, double tolerance = 1e-9);
 
 /// Parts of a surface between its kinks, the inner knots of multiplicity degree, where derivatives may jump. Control

@@ -53,7 +53,8 @@ inline NURBSSurface revolved(int degree, const std::vector<double>& knots, const
 inline NURBSSurface sphere(double r)
 {
   const double h = std::sqrt(0.5);
-  return revolved(2, { 0, 0, 0, 1, 1, 2, 2, 2 }, { { 0, -r }, { r, -r }, { r, 0 }, { r, r }, { 0, r } }, { 1, h, 1, h, 1 });
+  return revolved(
+    2, { 0, 0, 0, 1, 1, 2, 2, 2 }, { { 0, -r }, { r, -r }, { r, 0 }, { r, r }, { 0, r } }, { 1, h, 1, h, 1 });
 }
 
 /// Torus around z: ring radius R, tube radius r; two seams; x_u x x_v points outward.
@@ -94,7 +95,8 @@ inline bsv::TrimLoop circleLoop(const Vec2& center, double radius)
 }
 
 /// Bumpy sheet over [0, 1]^2 of a given degree, with random heights, knots and, if wanted, weights.
-inline NURBSSurface bumpy(unsigned int seed, std::array<int, 2> degree, std::array<int, 2> spans, double height, bool rational)
+inline NURBSSurface bumpy(
+  unsigned int seed, std::array<int, 2> degree, std::array<int, 2> spans, double height, bool rational)
 {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -98,8 +98,7 @@ TEST(NURBSSurface, DerivativesFollowTheDefinition)
         expectNear(at.v * w(0, 0) + at.x * w(0, 1), A(0, 1), scale, "v");
         expectNear(at.uu * w(0, 0) + 2.0 * at.u * w(1, 0) + at.x * w(2, 0), A(2, 0), scale, "uu");
         expectNear(at.vv * w(0, 0) + 2.0 * at.v * w(0, 1) + at.x * w(0, 2), A(0, 2), scale, "vv");
-        expectNear(
-          at.uv * w(0, 0) + at.u * w(0, 1) + at.v * w(1, 0) + at.x * w(1, 1), A(1, 1), scale, "uv");
+        expectNear(at.uv * w(0, 0) + at.u * w(0, 1) + at.v * w(1, 0) + at.x * w(1, 1), A(1, 1), scale, "uv");
       }
     }
   }
@@ -191,8 +190,9 @@ TEST(NURBSSurface, AreasAreThoseOfTheBodies)
   std::reverse(plate.loops.begin(), plate.loops.end());
   EXPECT_NEAR(patchArea(plate), (9.0 - 1.0 + 0.25) * Pi, 1e-7);
   // The northern half of a sphere, cut by a line in its parameters.
-  BodyPatch half{ "", sphere(1.0), { { { 1, { 0, 0, 1, 1 }, { { 0, 1 }, { 4, 1 } }, {} },
-                                     { 1, { 0, 0, 1, 1 }, { { 4, 2 }, { 0, 2 } }, {} } } }, false };
+  BodyPatch half{ "", sphere(1.0),
+    { { { 1, { 0, 0, 1, 1 }, { { 0, 1 }, { 4, 1 } }, {} }, { 1, { 0, 0, 1, 1 }, { { 4, 2 }, { 0, 2 } }, {} } } },
+    false };
   EXPECT_NEAR(patchArea(half), 2.0 * Pi, 1e-8);
 }
 

@@ -1,0 +1,563 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkBodyDeviation.h"
+
+#include "BSplineVolumeData.h"
+#include "ClosestPoint.h"
+#include "FilterExecution.h"
+#include "NURBSSurfaceData.h"
+#include "Sampling.h"
+
+#include "vtkCellArray.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataAssembly.h"
+#include "vtkDataObject.h"
+#include "vtkDataObjectTree.h"
+#include "vtkDataObjectTreeIterator.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+vtkStandardNewMacro(vtkBodyDeviation);
+
+namespace
+{
+
+using bsv::Index;
+using bsv::Vec3;
+
+/// One block face of the wall.
+struct WallFace
+{
+  int block;
+  /// Of the volume: the parameters of the surface.
+  std::array<int, 2> axes;
+  bsv::BodyPatch patch;
+};
+
+/// The face of a block as a surface. Knots across it need not be clamped.
+bsv::NURBSSurface faceSurface(const bsv::BSplineVolume& volume, int face)
+{
+  const int across = bsv::faceDirection(face);
+  const int degree = volume.degree[across];
+  const std::vector<double>& knots = volume.knots[across];
+  const std::vector<int> spans = bsv::nonEmptySpans(degree, knots);
+  const int span = bsv::faceSide(face) ? spans.back() : spans.front();
+  const double at = knots[span + bsv::faceSide(face)];
+  std::array<double, bsv::MaxDegree + 1> left{}, right{}, weights{};
+  for (int j = 1; j <= degree; ++j)
+  {
+    left[j] = at - knots[span + 1 - j];
+    right[j] = knots[span + j] - at;
+  }
+  bsv::basisFunctions(degree, 0, left.data(), right.data(), weights.data());
+
+  bsv::NURBSSurface surface;
+  const std::array<int, 2> axes{ bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
+  for (int d = 0; d < 2; ++d)
+  {
+    surface.degree[d] = volume.degree[axes[d]];
+    surface.knots[d] = volume.knots[axes[d]];
+  }
+  bsv::Ijk ijk;
+  for (int t = 0; t < surface.count(1); ++t)
+  {
+    for (int s = 0; s < surface.count(0); ++s)
+    {
+      ijk[axes[0]] = s;
+      ijk[axes[1]] = t;
+      Vec3 point = Vec3::Zero();
+      for (int q = 0; q <= degree; ++q)
+      {
+        ijk[across] = span - degree + q;
+        const Index place = ijk[0] + Index(volume.count(0)) * (ijk[1] + Index(volume.count(1)) * ijk[2]);
+        if (weights[q] != 0.0)
+        {
+          point += weights[q] * Eigen::Map<const Vec3>(volume.points + 3 * place);
+        }
+      }
+      surface.points.push_back(point);
+    }
+  }
+  return surface;
+}
+
+/// Control points of a side of a surface: 0 u first, 1 u last, 2 v first, 3 v last.
+std::vector<std::array<double, 3>> sidePoints(const bsv::NURBSSurface& surface, int side)
+{
+  const int along = side < 2 ? 1 : 0;
+  const int fixed = side % 2 ? surface.count(1 - along) - 1 : 0;
+  std::vector<std::array<double, 3>> points;
+  for (int i = 0; i < surface.count(along); ++i)
+  {
+    const Index row = surface.count(0);
+    const Vec3& x = surface.points[along == 1 ? fixed + row * i : i + row * fixed];
+    points.push_back({ x[0], x[1], x[2] });
+  }
+  return points;
+}
+
+/// The outer border of the wall: sides of faces that no other face, nor another side, shares bit for bit.
+class WallBorder
+{
+public:
+  explicit WallBorder(const std::vector<WallFace>& faces)
+    : Open(faces.size())
+  {
+    std::map<std::vector<std::array<double, 3>>, int> uses;
+    const auto key = [&](std::size_t f, int side) {
+      auto points = sidePoints(faces[f].patch.surface, side);
+      auto reversed = points;
+      std::reverse(reversed.begin(), reversed.end());
+      return std::min(points, reversed);
+    };
+    for (std::size_t f = 0; f < faces.size(); ++f)
+    {
+      for (int side = 0; side < 4; ++side)
+      {
+        ++uses[key(f, side)];
+      }
+    }
+    for (std::size_t f = 0; f < faces.size(); ++f)
+    {
+      for (int side = 0; side < 4; ++side)
+      {
+        const auto points = key(f, side);
+        this->Open[f][side] = uses[points] == 1;
+        if (this->Open[f][side])
+        {
+          this->Ends.insert(points.front());
+          this->Ends.insert(points.back());
+        }
+      }
+    }
+  }
+
+  bool contains(const bsv::BodyPoint& at, const bsv::NURBSSurface& surface) const
+  {
+    const std::array<bool, 4> on{ at.u == surface.first(0), at.u == surface.last(0), at.v == surface.first(1),
+      at.v == surface.last(1) };
+    const std::array<bool, 4>& open = this->Open[at.patch];
+    for (int side = 0; side < 4; ++side)
+    {
+      if (on[side] && open[side])
+      {
+        return true;
+      }
+    }
+    // A corner can lie on the border although both sides of its face there are shared.
+    const Vec3& x = at.geometry.point;
+    return (on[0] || on[1]) && (on[2] || on[3]) && this->Ends.count({ x[0], x[1], x[2] }) > 0;
+  }
+
+private:
+  std::vector<std::array<bool, 4>> Open;
+  std::set<std::array<double, 3>> Ends;
+};
+
+/// Unsigned angle of two directions in degrees, 0..90; 0 if one of them is zero.
+double angle(const Vec3& a, const Vec3& b)
+{
+  return std::atan2(a.cross(b).norm(), std::abs(a.dot(b))) * (180.0 / std::acos(-1.0));
+}
+
+/// Samples of one surface and their deviation from the other.
+struct Samples
+{
+  explicit Samples(vtkPolyData* data)
+    : Data(data)
+  {
+    for (vtkDoubleArray* array : { this->Distance.Get(), this->NormalDeviation.Get() })
+    {
+      array->SetNumberOfValues(data->GetNumberOfPoints());
+      array->Fill(0.0);
+      data->GetPointData()->AddArray(array);
+    }
+    this->Distance->SetName("Distance");
+    this->NormalDeviation->SetName("NormalDeviation");
+  }
+
+  /// Measures point i against `other`.
+  /// @return the closest point.
+  bsv::BodyPoint measure(vtkIdType i, const Vec3& x, const Vec3& normal, const bsv::BodySurface& other)
+  {
+    const bsv::BodyPoint closest = other.closestPoint(x);
+    double smallest = angle(normal, closest.geometry.normal);
+    constexpr double Shared = 1e-6;
+    for (const bsv::BodyPoint& neighbour : other.closestPointPerPatch(x, Shared * other.size()))
+    {
+      smallest = std::min(smallest, angle(normal, neighbour.geometry.normal));
+    }
+    this->Distance->SetValue(i, closest.distance);
+    this->NormalDeviation->SetValue(i, smallest);
+    return closest;
+  }
+
+  /// Totals of the points for which `counts` is not 0, or of all. Sequential: its sums must not depend on the threads.
+  void total(vtkUnsignedCharArray* counts)
+  {
+    const auto has = [&](vtkIdType i) { return !counts || counts->GetValue(i) != 0; };
+    double squares = 0.0;
+    double area = 0.0;
+    for (vtkIdType i = 0; i < this->Data->GetNumberOfPoints(); ++i)
+    {
+      if (has(i))
+      {
+        this->maximum = std::max(this->maximum, this->Distance->GetValue(i));
+        this->maximumAngle = std::max(this->maximumAngle, this->NormalDeviation->GetValue(i));
+      }
+    }
+    vtkCellArray* cells = this->Data->GetPolys();
+    for (vtkIdType c = 0; c < cells->GetNumberOfCells(); ++c)
+    {
+      vtkIdType size = 0;
+      const vtkIdType* ids = nullptr;
+      cells->GetCellAtId(c, size, ids);
+      if (size < 3 || !std::all_of(ids, ids + size, has))
+      {
+        continue;
+      }
+      std::array<Vec3, 3> x;
+      const vtkIdType last = ids[size - 1];
+      Vec3 twice = Vec3::Zero();
+      double mean = 0.0;
+      this->Data->GetPoint(last, x[0].data());
+      for (vtkIdType v = 0; v < size; ++v)
+      {
+        mean += this->Distance->GetValue(ids[v]) * this->Distance->GetValue(ids[v]) / static_cast<double>(size);
+        if (v + 2 < size)
+        {
+          this->Data->GetPoint(ids[v], x[1].data());
+          this->Data->GetPoint(ids[v + 1], x[2].data());
+          twice += (x[1] - x[0]).cross(x[2] - x[0]);
+        }
+      }
+      area += twice.norm();
+      squares += twice.norm() * mean;
+    }
+    this->rms = area > 0.0 ? std::sqrt(squares / area) : 0.0;
+  }
+
+  vtkPolyData* Data;
+  vtkNew<vtkDoubleArray> Distance;
+  vtkNew<vtkDoubleArray> NormalDeviation;
+  double maximum = 0.0;
+  double rms = 0.0;
+  double maximumAngle = 0.0;
+};
+
+void setNumber(vtkDataObject* data, const char* name, double value)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->InsertNextValue(value);
+  data->GetFieldData()->AddArray(array);
+}
+
+void setTotals(vtkDataObject* data, const Samples& samples)
+{
+  setNumber(data, "MaximumDistance", samples.maximum);
+  setNumber(data, "RMSDistance", samples.rms);
+  setNumber(data, "MaximumNormalDeviation", samples.maximumAngle);
+}
+
+/// Samples of the wall: points, quadrilaterals, `BlockId`, and the deviation from the body.
+Samples wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolumeBlocks& input, int level,
+  const bsv::BodySurface& body, vtkPolyData* wall, const bsv::Execution& run)
+{
+  struct Grid
+  {
+    std::array<std::vector<double>, 2> parameters;
+    vtkIdType start;
+  };
+  std::vector<Grid> grids;
+  vtkIdType count = 0;
+  vtkNew<vtkCellArray> quads;
+  for (const WallFace& face : faces)
+  {
+    Grid grid;
+    bsv::sampleCounts(input.volumes[face.block], level, input.label(face.block));
+    for (int d = 0; d < 2; ++d)
+    {
+      grid.parameters[d] = bsv::sampleParameters(input.volumes[face.block], face.axes[d], level);
+    }
+    grid.start = count;
+    const vtkIdType ns = static_cast<vtkIdType>(grid.parameters[0].size());
+    const vtkIdType nt = static_cast<vtkIdType>(grid.parameters[1].size());
+    for (vtkIdType t = 0; t + 1 < nt; ++t)
+    {
+      for (vtkIdType s = 0; s + 1 < ns; ++s)
+      {
+        const vtkIdType first = count + s + ns * t;
+        quads->InsertNextCell({ first, first + 1, first + 1 + ns, first + ns });
+      }
+    }
+    count += ns * nt;
+    grids.push_back(grid);
+  }
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(count);
+  vtkNew<vtkIntArray> blocks;
+  blocks->SetName("BlockId");
+  blocks->SetNumberOfValues(count);
+  wall->SetPoints(points);
+  wall->SetPolys(quads);
+  wall->GetPointData()->AddArray(blocks);
+  Samples samples(wall);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+  {
+    const Grid& grid = grids[f];
+    const Index ns = static_cast<Index>(grid.parameters[0].size());
+    run.report(static_cast<double>(f) / faces.size());
+    run.parallelFor(ns * static_cast<Index>(grid.parameters[1].size()), 64, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+      {
+        const bsv::SurfaceGeometry at = bsv::surfaceGeometry(
+          faces[f].patch.surface, grid.parameters[0][i % ns], grid.parameters[1][i / ns]);
+        points->SetPoint(grid.start + i, at.point.data());
+        blocks->SetValue(grid.start + i, faces[f].block);
+        samples.measure(grid.start + i, at.point, at.normal, body);
+      }
+    });
+  }
+  samples.total(nullptr);
+  return samples;
+}
+
+/// The first tessellation among the leaves of the body, with points in double precision, or null.
+vtkSmartPointer<vtkPolyData> tessellation(vtkDataObject* body)
+{
+  auto* tree = vtkDataObjectTree::SafeDownCast(body);
+  if (!tree)
+  {
+    return nullptr;
+  }
+  auto iterator = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
+  iterator->VisitOnlyLeavesOn();
+  iterator->TraverseSubTreeOn();
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    auto* data = vtkPolyData::SafeDownCast(iterator->GetCurrentDataObject());
+    if (data && data->GetNumberOfPoints() > 0)
+    {
+      auto copy = vtkSmartPointer<vtkPolyData>::New();
+      copy->SetPoints(data->GetPoints());
+      copy->SetPolys(data->GetPolys());
+      copy->GetPointData()->ShallowCopy(data->GetPointData());
+      return copy;
+    }
+  }
+  return nullptr;
+}
+
+/// Deviation of the body's tessellation from the wall, and where the wall covers it.
+Samples bodySamples(vtkPolyData* surface, const bsv::BodySurface& body, const bsv::BodySurface& wall,
+  const WallBorder& border, const bsv::Execution& run)
+{
+  Samples samples(surface);
+  vtkNew<vtkUnsignedCharArray> covered;
+  covered->SetName("Covered");
+  covered->SetNumberOfValues(surface->GetNumberOfPoints());
+  vtkDataArray* normals = surface->GetPointData()->GetArray("Normals");
+  if (normals && (normals->GetNumberOfComponents() != 3 || normals->GetNumberOfTuples() < surface->GetNumberOfPoints()))
+  {
+    throw bsv::Error("the body's tessellation: point data array 'Normals' must have 3 components a point");
+  }
+  run.report(0.0);
+  run.parallelFor(surface->GetNumberOfPoints(), 64, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+    {
+      Vec3 x;
+      Vec3 normal;
+      surface->GetPoints()->GetPoint(i, x.data());
+      if (normals)
+      {
+        normals->GetTuple(i, normal.data());
+      }
+      else
+      {
+        normal = body.closestPoint(x).geometry.normal;
+      }
+      const bsv::BodyPoint closest = samples.measure(i, x, normal, wall);
+      const bool beyond = border.contains(closest, wall.patches()[closest.patch].surface) &&
+        angle(x - closest.geometry.point, closest.geometry.normal) > 45.0;
+      covered->SetValue(i, beyond ? 0 : 1);
+    }
+  });
+  samples.total(covered);
+  surface->GetPointData()->AddArray(covered);
+  return samples;
+}
+
+void setParts(vtkPartitionedDataSetCollection* output, vtkPolyData* wall, vtkPolyData* body)
+{
+  output->SetNumberOfPartitionedDataSets(2);
+  vtkNew<vtkDataAssembly> assembly;
+  assembly->SetRootNodeName("BodyDeviation");
+  unsigned int part = 0;
+  for (const auto& [name, data] : { std::make_pair("Wall", wall), std::make_pair("Body", body) })
+  {
+    output->SetPartition(part, 0, data);
+    output->GetMetaData(part)->Set(vtkCompositeDataSet::NAME(), name);
+    assembly->AddDataSetIndex(assembly->AddNode(name), part);
+    ++part;
+  }
+  output->SetDataAssembly(assembly);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkBodyDeviation::vtkBodyDeviation()
+{
+  this->SetNumberOfInputPorts(2);
+}
+
+//------------------------------------------------------------------------------
+void vtkBodyDeviation::SetBodyConnection(vtkAlgorithmOutput* output)
+{
+  this->SetInputConnection(1, output);
+}
+
+//------------------------------------------------------------------------------
+void vtkBodyDeviation::AddBodyBoundary(const char* pattern)
+{
+  if (pattern && *pattern)
+  {
+    this->BodyBoundaries.emplace_back(pattern);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkBodyDeviation::ClearBodyBoundaries()
+{
+  this->BodyBoundaries.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+const char* vtkBodyDeviation::GetBodyBoundary(int index) const
+{
+  return index >= 0 && index < this->GetNumberOfBodyBoundaries() ? this->BodyBoundaries[index].c_str() : nullptr;
+}
+
+//------------------------------------------------------------------------------
+int vtkBodyDeviation::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkBodyDeviation::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
+  vtkDataObject* bodyData = vtkDataObject::GetData(inputVector[1], 0);
+  if (!output || !bodyData)
+  {
+    vtkErrorMacro("Body or output is missing.");
+    return 0;
+  }
+  this->MaximumDistance = this->RMSDistance = this->MaximumNormalDeviation = this->HausdorffDistance = 0.0;
+  try
+  {
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    if (input.volumes.empty())
+    {
+      return 1;
+    }
+    std::vector<WallFace> faces;
+    for (const bsv::BoundaryPatch& patch : input.boundaries)
+    {
+      if (bsv::matchesAny(this->BodyBoundaries, input.boundaryNames[patch.tag]))
+      {
+        bsv::BodyPatch face;
+        face.name = "face " + std::to_string(patch.face) + " of " + input.label(patch.block);
+        face.surface = faceSurface(input.volumes[patch.block], patch.face);
+        faces.push_back(
+          { patch.block, { bsv::faceAxis(patch.face, 0), bsv::faceAxis(patch.face, 1) }, std::move(face) });
+      }
+    }
+    if (faces.empty())
+    {
+      throw bsv::Error("no boundary of the volume is part of the body: Body Boundaries are " +
+        bsv::quotedList(this->BodyBoundaries) + ", the volume has the boundaries " +
+        bsv::quotedList(input.boundaryNames));
+    }
+
+    const bsv::BodySurface body(bsv::bodyPatches(bodyData), bsv::filterExecution(this, 0.0, 0.1));
+    std::vector<bsv::BodyPatch> patches;
+    for (const WallFace& face : faces)
+    {
+      patches.push_back(face.patch);
+    }
+    const bsv::BodySurface wall(std::move(patches), bsv::filterExecution(this, 0.1, 0.2));
+
+    vtkNew<vtkPolyData> wallData;
+    const Samples ofWall =
+      wallSamples(faces, input, this->Level, body, wallData, bsv::filterExecution(this, 0.2, 0.7));
+    setTotals(wallData, ofWall);
+    this->MaximumDistance = ofWall.maximum;
+    this->RMSDistance = ofWall.rms;
+    this->MaximumNormalDeviation = ofWall.maximumAngle;
+    this->HausdorffDistance = ofWall.maximum;
+
+    vtkSmartPointer<vtkPolyData> surface = tessellation(bodyData);
+    if (surface)
+    {
+      const Samples ofBody =
+        bodySamples(surface, body, wall, WallBorder(faces), bsv::filterExecution(this, 0.7, 1.0));
+      setTotals(surface, ofBody);
+      this->HausdorffDistance = std::max(ofWall.maximum, ofBody.maximum);
+    }
+    else
+    {
+      surface = vtkSmartPointer<vtkPolyData>::New();
+    }
+
+    setParts(output, wallData, surface);
+    setTotals(output, ofWall);
+    setNumber(output, "HausdorffDistance", this->HausdorffDistance);
+  }
+  catch (const bsv::Aborted&)
+  {
+    output->Initialize();
+  }
+  catch (const std::exception& error)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< error.what());
+    return 0;
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkBodyDeviation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "BodyBoundaries: " << bsv::quotedList(this->BodyBoundaries) << '\n';
+  os << indent << "Level: " << this->Level << '\n';
+  os << indent << "MaximumDistance: " << this->MaximumDistance << '\n';
+  os << indent << "RMSDistance: " << this->RMSDistance << '\n';
+  os << indent << "MaximumNormalDeviation: " << this->MaximumNormalDeviation << '\n';
+  os << indent << "HausdorffDistance: " << this->HausdorffDistance << '\n';
+}
