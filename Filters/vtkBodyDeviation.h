@@ -24,8 +24,9 @@
  * outer border and is seen at more than 45 degrees from the normal there. These points count in no total.
  *
  * Field data of both parts: `MaximumDistance`, `RMSDistance` (root of the mean square, by area) and
- * `MaximumNormalDeviation` (degrees). Field data of the collection: the same three of the wall, and `HausdorffDistance`, the larger of the two
- * parts' `MaximumDistance`: an estimate from below, since both are taken over samples.
+ * `MaximumNormalDeviation` (degrees). Field data of the collection: the same three of the wall, and
+ * `HausdorffDistance`, the larger of the two parts' `MaximumDistance`: an estimate from below, since both are taken
+ * over samples.
  *
  * An empty input gives an empty output. A volume without a wall is an error that names its boundaries.
  */

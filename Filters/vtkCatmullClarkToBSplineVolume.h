@@ -91,9 +91,9 @@ public:
    * about curvature h^2 / 6; or points of the body (ON_BODY), as in ordinary flow meshes. The wall's control mesh is
    * then solved for, so that its limit points are the mesh points, or with a body connected their closest points on
    * it. The converted wall interpolates them, except next to extraordinary vertices, where it is close only.
-   * PropagationRange says how far all this reaches into the layers. AUTOMATIC (default) takes the control net without a body, and with one
-   * whichever of the mesh points and their limit points lie closer to it; the report says what was chosen and both
-   * distances.
+   * PropagationRange says how far all this reaches into the layers. AUTOMATIC (default) takes the control net without a
+   * body, and with one whichever of the mesh points and their limit points lie closer to it; the report says what was
+   * chosen and both distances.
    */
   vtkSetClampMacro(InputPoints, int, AUTOMATIC, ON_BODY);
   vtkGetMacro(InputPoints, int);

@@ -174,6 +174,15 @@ void checkIGES(const std::string& fileName)
         std::string("card ") + std::to_string(number) + " of section " + last + " stands where card " +
           std::to_string(counts[last]) + " should");
     }
+    if (last == 'P')
+    {
+      const long entity = std::strtol(text.substr(65, 7).c_str(), nullptr, 10);
+      if (entity < 1 || entity % 2 == 0 || entity > counts['D'])
+      {
+        failAt(
+          fileName, line, "the card refers to directory entry " + std::to_string(entity) + ", which does not exist");
+      }
+    }
     if (last == 'T')
     {
       terminate = text;

@@ -766,6 +766,27 @@ TEST(NURBSSurfaceReader, TruncatedCADFilesAreRefused)
   }
 }
 
+TEST(NURBSSurfaceReader, DamagedEntitiesAreRefused)
+{
+  const Folder folder;
+  writeShape(primitives(), folder / "all.step");
+  const std::string text = readText(folder / "all.step");
+  // Every entity that is a point for one that is unknown, then for one of another kind; one reference to nowhere.
+  for (const std::string other : { "CARTESIAN_PAINT", "DIRECTION" })
+  {
+    std::size_t at = text.find("CARTESIAN_POINT(");
+    for (int n = 0; n < 12 && at != std::string::npos; ++n)
+    {
+      writeText(folder / "bad.step", std::string(text).replace(at, 15, other));
+      refused(folder / "bad.step");
+      at = text.find("CARTESIAN_POINT(", at + text.size() / 15);
+    }
+  }
+  const std::size_t reference = text.find("(#", text.size() / 2);
+  writeText(folder / "bad.step", std::string(text).replace(reference + 2, 1, "99999"));
+  EXPECT_NE(refused(folder / "bad.step").find("is used but nowhere defined"), std::string::npos);
+}
+
 TEST(NURBSSurfaceReader, SharedCADFiles)
 {
   struct Case

@@ -2,7 +2,7 @@
 """The body in the pipeline: NURBS surface reader, conversion with its input Body, deviation of the wall from the body.
 
 The body of most tests is an ellipsoid: one rational biquadratic patch with two poles and a seam, written as .g2 file;
-the mesh around it is a cubed sphere of six blocks, whose eight extraordinary wall vertices are not special points of it.
+the mesh around it is a cubed sphere of six blocks, whose eight extraordinary wall vertices are no special points of it.
 """
 import math
 import os
