@@ -848,7 +848,7 @@ private:
   }
 
   /// On curved faces the centers are apart. There at least a quadrilateral is covered whose corners are all shared with
-  /// others that face it: a coarse one that meets a refined face.
+  /// others that face it and have their centers before it: a coarse one that meets a refined face.
   void coverByCorners(
     const std::vector<Index>& single, const std::vector<Vec3>& normal, std::vector<Index>& cover) const
   {
@@ -867,10 +867,16 @@ private:
       {
         Index shared = 0;
         Index other = -1;
-        for (Index c : this->key(this->Surface.quadAt(single[n])))
+        const QuadAt quad = this->Surface.quadAt(single[n]);
+        const double size = (this->corner(quad, 0, 0) - this->corner(quad, 1, 1)).norm();
+        const auto before = [&](Index m) {
+          return facing(normal[m], normal[n]) &&
+            this->covers(quad, normal[n], this->center(this->Surface.quadAt(single[m])), size);
+        };
+        for (Index c : this->key(quad))
         {
           auto at = std::lower_bound(atClass.begin(), atClass.end(), std::make_pair(c, Index(0)));
-          while (at != atClass.end() && at->first == c && !facing(normal[at->second], normal[n]))
+          while (at != atClass.end() && at->first == c && !before(at->second))
           {
             ++at;
           }

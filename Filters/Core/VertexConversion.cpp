@@ -447,7 +447,8 @@ bool Converter::convertStacked(Star& star) const
 
 void Converter::convertAnchored(Star& star) const
 {
-  const ControlPointRule inner = star.boundary ? ControlPointRule::Boundary : star.rule;
+  // At the boundary blocks do not lie as in a grid here: what is inserted is not smooth.
+  const ControlPointRule inner = star.boundary ? ControlPointRule::Corner : star.rule;
   // Values one step away from the vertex, along edges and in faces.
   std::vector<Vec3> along(star.edges.size()), diagonal(star.faces.size());
   for (std::size_t e = 0; e < star.edges.size(); ++e)
