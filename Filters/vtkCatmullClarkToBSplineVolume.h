@@ -77,7 +77,8 @@ public:
   {
     SECOND_FUNDAMENTAL_FORM = 0,
     PARALLELOGRAM = 1,
-    MASK = 2
+    MASK = 2,
+    LITERAL = 3
   };
 
   /**
@@ -190,9 +191,10 @@ public:
   /**
    * How the control point diagonally between two edges is found at extraordinary edges and extraordinary vertices of
    * the boundary: from the second fundamental form of the layer or surface (default), as the fourth point of a
-   * parallelogram, or by the mask 4/9 2/9 2/9 1/9.
+   * parallelogram, by the mask 4/9 2/9 2/9 1/9, or literally as the source of the method has it, which needs a Body and
+   * depends on its parametrisation.
    */
-  vtkSetClampMacro(Twist, int, SECOND_FUNDAMENTAL_FORM, MASK);
+  vtkSetClampMacro(Twist, int, SECOND_FUNDAMENTAL_FORM, LITERAL);
   vtkGetMacro(Twist, int);
   ///@}
 

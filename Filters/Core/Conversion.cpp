@@ -191,6 +191,10 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
   {
     throw Error("Propagation Range " + text(options.propagationRange) + " is not at least 0");
   }
+  if (options.twist == Twist::Literal && !options.body)
+  {
+    throw Error("Twist Literal needs the parameters of a Body, and there is none");
+  }
   if (nets.size() != complex.blocks.size())
   {
     throw Error("there are " + std::to_string(nets.size()) + " control nets for " +

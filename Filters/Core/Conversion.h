@@ -59,7 +59,10 @@ enum class Twist : std::uint8_t
 {
   SecondFundamentalForm, ///< from the curvature of the layer or surface
   Parallelogram,         ///< fourth point of a parallelogram
-  Mask                   ///< mask 4/9 2/9 2/9 1/9 of the mesh points
+  Mask,                  ///< mask 4/9 2/9 2/9 1/9 of the mesh points
+  /// At body vertices the parallelogram plus x_uv / 9 of the given surface (5.39)-(5.41), elsewhere the parallelogram: the
+  /// source's rule, to reproduce it. It depends on the surface's parametrisation. Needs ConversionOptions::body.
+  Literal
 };
 
 struct ConversionOptions

@@ -258,7 +258,7 @@ FanStencils extraordinaryStencils(bool closed, int sectors, Twist twist)
     }
     else
     {
-      const double blend = twist == Twist::Parallelogram ? 1.0 : x;
+      const double blend = twist == Twist::SecondFundamentalForm ? x : 1.0;
       addScaled(stencil.weights, blend, offsets[i]);
       addScaled(stencil.weights, blend, offsets[next]);
       if (twist == Twist::SecondFundamentalForm)
@@ -553,7 +553,7 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
 
   const RegularFan shape = regularFan(true, n);
   const double g = 2.0 * shape.cosine;
-  const double blend = twist == Twist::Parallelogram ? 1.0 : (6.0 + g) / (3.0 * (2.0 + g));
+  const double blend = twist == Twist::SecondFundamentalForm ? (6.0 + g) / (3.0 * (2.0 + g)) : 1.0;
   // The fitted quadratic lives in the coordinates of the regular fan; the limit tangents along its axes carry the
   // offsets there.
   const LimitMasks limit = closedFanLimitMasks(n);
@@ -579,7 +579,11 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
       continue;
     }
     points.sectors[i] = projection + blend * (offsets[i] + offsets[next]);
-    if (twist == Twist::SecondFundamentalForm && foot.hasCurvature)
+    if (twist == Twist::Literal)
+    {
+      points.sectors[i] += foot.mixedDerivative / 9.0;
+    }
+    else if (twist == Twist::SecondFundamentalForm && foot.hasCurvature)
     {
       points.sectors[i] += offsets[i].dot(foot.curvature * offsets[next]) * normal;
     }

@@ -95,6 +95,8 @@ struct BodyFoot
   /// II(a, b) = a^T curvature b with respect to `normal`; only if `hasCurvature`, else it is estimated on the fan.
   Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
   bool hasCurvature = false;
+  /// x_uv of the surface in its own parameters, for Twist::Literal.
+  Eigen::Vector3d mixedDerivative = Eigen::Vector3d::Zero();
 };
 
 /// Fan of an extraordinary body vertex with a known foot on the given surface (method 5.38 to 5.41 with the twist from

@@ -170,8 +170,13 @@ bool Converter::bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const
   const Vec3 limit = smoothFan(fan, this->Options.twist, std::vector<double>(fan.spokeCount(), KnotInsertion)).center;
   if (this->Options.body && !hasPoint && !hasNormal)
   {
-    const SurfaceGeometry geometry = this->Options.body->closestPoint(limit).geometry;
-    foot = { geometry.point, geometry.normal, geometry.curvature, true };
+    const BodyPoint closest = this->Options.body->closestPoint(limit);
+    const SurfaceGeometry& geometry = closest.geometry;
+    foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+    if (this->Options.twist == Twist::Literal)
+    {
+      foot.mixedDerivative = evaluate(this->Options.body->patches()[closest.patch].surface, closest.u, closest.v).uv;
+    }
     return geometry.normal.norm() > 0.0;
   }
   if (!hasPoint)

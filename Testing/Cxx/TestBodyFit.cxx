@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "BodyCases.h"
 #include "BodyFit.h"
 #include "ConversionCases.h"
 #include "MeshCases.h"
 
 #include <gtest/gtest.h>
+
+#include <Eigen/Dense>
 
 #include <cmath>
 #include <set>
@@ -287,6 +290,77 @@ TEST(BodyPropagation, SameBitsForAnyNumberingAndOrientation)
     meshcases::shuffle(other, seed, true);
     EXPECT_TRUE(conversioncases::canonicalNet(with(other)) == reference);
   }
+}
+
+// One body in two parametrisations, u running the other way in the second: the default must not see the difference, the
+// source's own rule does, because x_uv changes its sign.
+TEST(BodyTwist, DefaultIsFreeOfTheParametrisationAndLiteralIsNot)
+{
+  Eigen::Matrix3d matrix;
+  matrix << 1.3, 0.2, 0.1, 0.0, 0.9, 0.3, -0.1, 0.0, 1.1;
+  NURBSSurface surface = bodycases::sphere(1.0);
+  for (Vec3& x : surface.points)
+  {
+    x = matrix * x;
+  }
+  NURBSSurface turned = surface;
+  const int nu = surface.count(0);
+  for (int v = 0; v < surface.count(1); ++v)
+  {
+    for (int u = 0; u < nu; ++u)
+    {
+      turned.points[u + nu * v] = surface.points[nu - 1 - u + nu * v];
+      turned.weights[u + nu * v] = surface.weights[nu - 1 - u + nu * v];
+    }
+  }
+  const BodySurface bodies[2]{ BodySurface({ { "body", surface, {}, false } }),
+    BodySurface({ { "body", turned, {}, true } }) };
+
+  const int cells = 6;
+  MeshCase mesh = meshcases::sphereBody(cells, { 1.0, 1.2, 1.5 });
+  mesh.apply([&](const Vec3& x) { return Vec3(matrix * x); });
+  mesh.boundaryNames = { "wall" };
+  for (int b = 0; b < 6; ++b)
+  {
+    mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, 0 });
+  }
+  for (const Twist twist : { Twist::SecondFundamentalForm, Twist::Literal })
+  {
+    double difference = 0.0;
+    std::vector<Converted> converted;
+    for (const BodySurface& body : bodies)
+    {
+      ConversionOptions options = wallOptions();
+      options.twist = twist;
+      options.body = &body;
+      converted.push_back(conversioncases::convert(mesh.mesh(), options));
+    }
+    for (std::size_t b = 0; b < converted[0].points.size(); ++b)
+    {
+      for (std::size_t i = 0; i < converted[0].points[b].size(); ++i)
+      {
+        difference = std::max(difference, std::abs(converted[0].points[b][i] - converted[1].points[b][i]));
+      }
+    }
+    // Points of the same surface found from other parameters: as exact as the closest point, 1e-12 of the body's size.
+    if (twist == Twist::SecondFundamentalForm)
+    {
+      EXPECT_LE(difference, 1e-11);
+    }
+    else
+    {
+      EXPECT_GE(difference, 1e-2);
+    }
+    // The extraordinary vertices lie on the body either way.
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      const Vec3 x = converted[0].controlPoint(0, { corner & 1 ? cells + 2 : 0, corner >> 1 ? cells + 2 : 0, 0 });
+      EXPECT_NEAR((matrix.inverse() * x).norm(), 1.0, 1e-12);
+    }
+  }
+  ConversionOptions without = wallOptions();
+  without.twist = Twist::Literal;
+  EXPECT_THROW(conversioncases::convert(mesh.mesh(), without), Error);
 }
 
 TEST(BodyFit, RefusesOptionsOutOfRange)
