@@ -3,7 +3,7 @@
 
 Sample runs:
     pvpython Examples/make_demo_mesh.py
-    pvpython Examples/make_demo_mesh.py /tmp/demo 16
+    pvpython Examples/make_demo_mesh.py demo 16
 
 What the mesh holds, so that every part of the conversion has something to do:
   * a body that is no sphere, with a sharp rim (crease) in the plane z = 0; the rim runs along a block border at the

@@ -37,7 +37,7 @@ struct BSplineVolume
   }
 };
 
-/// The clamped integer knots {0,0,0,0,1,2,..,n-1,n,n,n,n} of a cubic with `cells` spans (method: equal spacing in all
+/// The clamped integer knots {0,0,0,0,1,2,..,n-1,n,n,n,n} of a cubic with `cells` spans (equal spacing in all
 /// blocks is what lets blocks of unequal size join C2). @throws Error for fewer than one cell.
 std::vector<double> clampedIntegerKnots(int cells);
 

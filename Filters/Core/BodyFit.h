@@ -36,7 +36,7 @@ struct BodyFitOptions
   /// At most so many steps; at least 1.
   int iterations = 200;
   /// The displacement of a wall point is carried along its mesh line into the layers by the weight
-  /// max(0, 1 - d / (range h)), d the distance from the wall, h the local edge length on it (method: thin layers would
+  /// max(0, 1 - d / (range h)), d the distance from the wall, h the local edge length on it (thin layers would
   /// fold). At least 0.
   double range = 8.0;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The rules of the body (SurfaceConversion.cpp) and those of the layers above disagree by more than a thin first layer.
-// So what the body rules changed is carried into the layers (method, section 5):
+// So what the body rules changed is carried into the layers:
 //
 //   net_k <- layerRule(mesh_k) + w(d_k) (bodyNet - layerRule(mesh_0)),   w = max(0, 1 - d / (r h))
 //

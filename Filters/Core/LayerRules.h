@@ -99,7 +99,7 @@ struct BodyFoot
   Eigen::Vector3d mixedDerivative = Eigen::Vector3d::Zero();
 };
 
-/// Fan of an extraordinary body vertex with a known foot on the given surface (method 5.38 to 5.41 with the twist from
+/// Fan of an extraordinary body vertex with a known foot on the given surface ((5.38) to (5.41) with the twist from
 /// the second fundamental form): the centre is the foot point, the neighbours are the border points (f + 4 e + f) / 6
 /// projected onto the tangent plane, the inserted point of a sector is P + x_n (a + b) + n II(a, b).
 /// Closed fans of at least 3 sectors only. Orthogonal projection does not commute with affine maps other than

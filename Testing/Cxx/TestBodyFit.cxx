@@ -18,7 +18,7 @@ using meshcases::MeshCase;
 namespace
 {
 
-/// A body that is no sphere: x = r(d) d on unit directions d (method.md names it for the tests of the body rules).
+/// A body that is no sphere: x = r(d) d on unit directions d.
 double radius(const Vec3& d)
 {
   return 1.0 + 0.25 * d[0] * d[1] + 0.15 * d[2] * d[2] * d[2] + 0.12 * d[0] * d[1] * d[2] + 0.1 * d[0];
