@@ -392,8 +392,9 @@ bool Converter::convertStacked(Star& star) const
   }
 
   // The outer surface keeps what it has: only what lies inside is set.
-  const ControlPointRule inner =
-    axisRule.rule == ControlPointRule::Crease ? ControlPointRule::Boundary : axisRule.rule;
+  // Beside the edge of a single block the masks are the regular ones, between the blocks at a crease they are not.
+  const bool outline = axisRule.rule == ControlPointRule::Crease && sectors == 1;
+  const ControlPointRule inner = outline ? ControlPointRule::Boundary : axisRule.rule;
   const auto setEdge = [&](int e, const Vec3& value, ControlPointRule rule) {
     if (!star.edges[e].boundary)
     {
