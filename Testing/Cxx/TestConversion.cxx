@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <random>
@@ -20,7 +21,7 @@ using meshcases::MeshCase;
 namespace
 {
 
-/// The 16-case family that the general properties are tested on.
+/// The cases that the general properties are tested on.
 struct NamedCase
 {
   std::string name;
@@ -196,7 +197,7 @@ TEST(Conversion, CutGridEqualsTheSplineOfTheUncutGrid)
   {
     // Derivatives are differences of coordinates: their rounding is relative to the coordinates as well.
     EXPECT_LE(worst[order], 1e-13 * std::max(size[order], size[0])) << "order " << order;
-    RecordProperty("relative error, order " + std::to_string(order), std::to_string(worst[order] / size[0]));
+    std::printf("cut against uncut grid, derivatives of order %d: %.1e of the coordinates\n", order, worst[order] / size[0]);
   }
 }
 
