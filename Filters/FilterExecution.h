@@ -68,4 +68,27 @@ inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, do
   return run;
 }
 
+/// Runs the body of a filter's RequestData. An abort or an error leaves an empty output; an error is raised by
+/// `algorithm` with the text of the exception.
+/// @return what RequestData returns: 0 after an error, else 1
+template <typename Output, typename Body>
+int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
+{
+  try
+  {
+    body();
+  }
+  catch (const Aborted&)
+  {
+    output->Initialize();
+  }
+  catch (const std::exception& error)
+  {
+    output->Initialize();
+    vtkErrorWithObjectMacro(algorithm, << error.what());
+    return 0;
+  }
+  return 1;
+}
+
 } // namespace bsv

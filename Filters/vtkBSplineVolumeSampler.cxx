@@ -63,13 +63,12 @@ int vtkBSplineVolumeSampler::RequestData(
     vtkErrorMacro("The output is missing.");
     return 0;
   }
-  try
-  {
+  return bsv::execute(this, output, [&] {
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
     const std::size_t blocks = input.volumes.size();
     if (blocks == 0)
     {
-      return 1;
+      return;
     }
 
     std::vector<bsv::Ijk> counts;
@@ -129,16 +128,5 @@ int vtkBSplineVolumeSampler::RequestData(
     }
     bsv::setBlocks(output, grids, input.names, "Samples");
     bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames);
-  }
-  catch (const bsv::Aborted&)
-  {
-    output->Initialize();
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
+  });
 }

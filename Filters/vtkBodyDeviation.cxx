@@ -477,12 +477,11 @@ int vtkBodyDeviation::RequestData(
     return 0;
   }
   this->MaximumDistance = this->RMSDistance = this->MaximumNormalDeviation = this->HausdorffDistance = 0.0;
-  try
-  {
+  return bsv::execute(this, output, [&] {
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
     if (input.volumes.empty())
     {
-      return 1;
+      return;
     }
     std::vector<WallFace> faces;
     for (const bsv::BoundaryPatch& patch : input.boundaries)
@@ -536,18 +535,7 @@ int vtkBodyDeviation::RequestData(
     setParts(output, wallData, surface);
     setTotals(output, ofWall);
     setNumber(output, "HausdorffDistance", this->HausdorffDistance);
-  }
-  catch (const bsv::Aborted&)
-  {
-    output->Initialize();
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
+  });
 }
 
 //------------------------------------------------------------------------------

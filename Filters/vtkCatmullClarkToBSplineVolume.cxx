@@ -366,14 +366,13 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
   }
   this->ResetReport();
 
-  try
-  {
+  return bsv::execute(this, output, [&] {
     // The mesh.
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
     bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids);
     if (mesh.blocks.empty())
     {
-      return 1;
+      return;
     }
     const int selected = this->BodyFaces.empty() ? -1 : addBodyFaces(mesh, this->BodyFaces);
 
@@ -465,18 +464,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     {
       vtkWarningMacro(<< warning);
     }
-  }
-  catch (const bsv::Aborted&)
-  {
-    output->Initialize();
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
+  });
 }
 
 //------------------------------------------------------------------------------

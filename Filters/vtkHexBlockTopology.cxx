@@ -293,8 +293,7 @@ int vtkHexBlockTopology::RequestData(
   this->NumberOfExtraordinaryEdges = this->NumberOfSingularNodes = 0;
   this->Report.clear();
 
-  try
-  {
+  return bsv::execute(this, output, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::BlockMesh mesh = bsv::blockMesh(input, grids);
     bsv::BlockComplexOptions options;
@@ -365,18 +364,7 @@ int vtkHexBlockTopology::RequestData(
       vtkWarningMacro(<< warning);
     }
     this->UpdateProgress(1.0);
-  }
-  catch (const bsv::Aborted&)
-  {
-    output->Initialize();
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
+  });
 }
 
 //------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BodyFit.h"
 
+#include "BlockSurface.h"
 #include "EdgeFans.h"
 #include "EntityRules.h"
 #include "OrderFreeSum.h"
@@ -637,12 +638,17 @@ WallDistances wallDistances(const BlockComplex& complex, const ConversionOptions
 BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options,
   const Execution& run)
 {
-  if (!(options.tolerance > 0.0 && options.tolerance < 1.0) || options.iterations < 1 || !(options.range >= 0.0))
+  if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
   {
-    throw Error("body fit: the tolerance must lie between 0 and 1, the iterations be at least 1 and the range at least "
-                "0; they are " +
-      std::to_string(options.tolerance) + ", " + std::to_string(options.iterations) + " and " +
-      std::to_string(options.range));
+    throw Error("Fit Tolerance " + text(options.tolerance) + " is not between 0 and 1, both excluded");
+  }
+  if (options.iterations < 1)
+  {
+    throw Error("Fit Iterations " + std::to_string(options.iterations) + " is not at least 1");
+  }
+  if (!(options.range >= 0.0))
+  {
+    throw Error("Propagation Range " + text(options.range) + " is not at least 0");
   }
   const EntityRules rules = classify(complex, conversion, run);
   const Wall wall(complex, rules);
@@ -710,7 +716,7 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     if (report.iterations == options.iterations)
     {
       throw Error("the wall's control points were not found in " + std::to_string(options.iterations) +
-        " iterations: a limit point is still " + std::to_string(report.residual) + " away from its target");
+        " iterations (Fit Iterations): a limit point is still " + text(report.residual) + " away from its target");
     }
     run.report(std::min(0.9, report.iterations / 80.0));
     if (report.iterations == 0)

@@ -265,8 +265,11 @@ def test_wrong_units():
 
 def test_errors():
     body = ellipsoid()
-    for properties in (dict(FitTolerance=0), dict(FitTolerance=1), dict(FitIterations=0)):
-        assert "body fit" in failure(conversion(shell(), body, InputPoints="OnBody", **properties))
+    for properties, expected in ((dict(FitTolerance=0), "Fit Tolerance 0 is not between 0 and 1"),
+                                 (dict(FitTolerance=1), "Fit Tolerance 1 is not between 0 and 1"),
+                                 (dict(FitIterations=0), "Fit Iterations 0 is not at least 1")):
+        text = failure(conversion(shell(), body, InputPoints="OnBody", **properties))
+        assert expected in text, text
     assert "were not found in 1 iterations" in failure(conversion(shell(), body, InputPoints="OnBody", FitIterations=1))
     nothing = producer(vtk.vtkPartitionedDataSetCollection())
     assert "no NURBS patch" in failure(conversion(shell(), nothing))
