@@ -650,6 +650,10 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
   {
     throw Error("Propagation Range " + text(options.range) + " is not at least 0");
   }
+  if (options.edgesOnly && !options.body)
+  {
+    throw Error("limit points can be moved to the edges of a body only if there is one");
+  }
   const EntityRules rules = classify(complex, conversion, run);
   const Wall wall(complex, rules);
   BodyFitReport report;
@@ -659,6 +663,10 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     return report;
   }
   const LimitRows rows(complex, rules, wall);
+  const auto isFixed = [&](Index i) { return options.edgesOnly && !rows.onFeature(i); };
+  const auto limit = [&](Index i, const std::vector<Vec3>& points) {
+    return isFixed(i) ? points[i] : rows.apply(i, points);
+  };
   const auto forAll = [&](const auto& body) {
     run.parallelFor(wall.size(), 256, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
@@ -681,13 +689,18 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
   if (options.body)
   {
     forAll([&](Index i) {
-      const BodyPoint closest = options.body->closestPoint(given[i]);
-      target[i] = closest.geometry.point;
+      if (isFixed(i))
+      {
+        return;
+      }
+      const Vec3 point = options.edgesOnly ? limit(i, given) : given[i];
+      const BodyPoint closest = options.body->closestPoint(point);
+      target[i] = options.edgesOnly ? point : closest.geometry.point;
       if (rows.onFeature(i))
       {
         // Where the mesh follows an edge of the body, so do its limit points.
         constexpr double Near = 0.05;
-        const BodyPoint edge = options.body->closestEdgePoint(given[i]);
+        const BodyPoint edge = options.body->closestEdgePoint(point);
         if (edge.patch >= 0 && edge.distance <= closest.distance + Near * rows.spacing(i, given))
         {
           target[i] = edge.geometry.point;
@@ -701,7 +714,7 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
   constexpr double Center = 0.5 * (1.0 + Least), HalfWidth = 0.5 * (1.0 - Least);
   std::vector<Vec3> x = given, residual(wall.size()), step(wall.size(), Vec3::Zero());
   const auto measure = [&] {
-    forAll([&](Index i) { residual[i] = target[i] - rows.apply(i, x); });
+    forAll([&](Index i) { residual[i] = target[i] - limit(i, x); });
     double largest = 0.0;
     for (const Vec3& r : residual)
     {

@@ -30,6 +30,9 @@ struct BodyFitOptions
 {
   /// The body, or null: limit points then lie on the given points.
   const BodySurface* body = nullptr;
+  /// The given points are control points and stay so, except on creases, borders and corners: where these follow an edge
+  /// of the body, their limit points are moved to it. Needs `body`.
+  bool edgesOnly = false;
   /// The iteration stops when no limit point is farther from its target than this fraction of the wall's bounding-box
   /// diagonal. Range (0, 1).
   double tolerance = 1e-13;

@@ -9,7 +9,6 @@
 #include <Eigen/Dense>
 
 #include <cmath>
-#include <set>
 
 using namespace bsv;
 using conversioncases::Converted;
@@ -288,4 +287,139 @@ TEST(BodyFit, RefusesOptionsOutOfRange)
   options = {};
   options.iterations = 1;
   EXPECT_THROW(fitBody(complex, wallOptions(), options), Error);
+}
+
+namespace
+{
+
+/// Height of a roof whose ridge is the curve y = 0; its sides are the graphs of two quadratics.
+double roof(double x, double y)
+{
+  return y > 0.0 ? 0.1 * x * x + 0.15 * x * y - 0.3 * y + 0.1 * y * y
+                 : 0.1 * x * x - 0.1 * x * y + 0.4 * y - 0.05 * y * y;
+}
+
+BodySurface roofBody()
+{
+  std::vector<BodyPatch> patches;
+  for (const double side : { 1.0, -1.0 })
+  {
+    // Control points of a quadratic through its values at the ends and in the middle of [-3, 3] x [0, 3 side].
+    BodyPatch patch{ side > 0.0 ? "left" : "right", {}, {}, side < 0.0 };
+    patch.surface.degree = { 2, 2 };
+    patch.surface.knots = { { { 0, 0, 0, 1, 1, 1 }, { 0, 0, 0, 1, 1, 1 } } };
+    Eigen::Matrix3d middle, values;
+    middle << 1, 0, 0, -0.5, 2, -0.5, 0, 0, 1;
+    for (int j = 0; j < 3; ++j)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        // -0 and the like fall on the side that is meant.
+        values(i, j) = roof(3.0 * (i - 1), side * std::max(1.5 * j, 1e-300));
+      }
+    }
+    values = middle * values * middle.transpose();
+    for (int j = 0; j < 3; ++j)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        patch.surface.points.emplace_back(3.0 * (i - 1), side * 1.5 * j, values(i, j));
+      }
+    }
+    patches.push_back(patch);
+  }
+  return BodySurface(patches);
+}
+
+/// Six blocks around the z axis on the roof, three on each side of its ridge, which is tagged as crease.
+MeshCase onRoof(int cells)
+{
+  MeshCase mesh = meshcases::ring(6, cells, { { 0.0, 0.3, 0.7 } });
+  mesh.apply([](const Vec3& x) { return Vec3(x[0], x[1], x[2] + roof(x[0], x[1])); });
+  mesh.boundaryNames = { "wall" };
+  for (int b = 0; b < 6; ++b)
+  {
+    mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, 0 });
+    for (int d = 0; d < 2; ++d)
+    {
+      Ijk end{ 0, 0, 0 };
+      end[d] = cells;
+      if (std::abs(mesh.blocks[b].at(end)[1]) < 1e-9)
+      {
+        mesh.creases.push_back({ b, { 0, 0, 0 }, end });
+      }
+    }
+  }
+  return mesh;
+}
+
+} // namespace
+
+// Control points on a body with an edge: the limit curve of the crease runs along the edge, and where six patches meet at
+// it the three on each side have the normal of the body there.
+TEST(BodyCrease, FollowsTheEdgeAndEachSideHasItsOwnNormal)
+{
+  const int cells = 4;
+  const BodySurface body = roofBody();
+  const auto converted = [&](MeshCase& mesh, bool withBody) {
+    Converted result;
+    result.complex = buildBlockComplex(mesh.mesh());
+    ConversionOptions options = wallOptions();
+    if (withBody)
+    {
+      options.body = &body;
+      BodyFitOptions fit;
+      fit.body = &body;
+      fit.edgesOnly = true;
+      fitBody(result.complex, options, fit);
+    }
+    conversioncases::convertComplex(result, options);
+    return result;
+  };
+  MeshCase mesh = onRoof(cells);
+  EXPECT_EQ(mesh.creases.size(), 4u); // two spokes, each in two blocks
+  const Converted plain = converted(mesh, false), fitted = converted(mesh, true);
+  EXPECT_EQ(conversioncases::interfaceJumps(fitted).openControlPoints, 0);
+  const auto everywhere = [](int, const Ijk&) { return true; };
+  EXPECT_EQ(conversioncases::provenValid(fitted, everywhere).others, 0);
+
+  const auto offTheEdge = [&](const Converted& volumes) {
+    double worst = 0.0;
+    for (const CreaseLine& crease : mesh.creases)
+    {
+      for (int s = 0; s <= cells; ++s)
+      {
+        const Vec3 at(crease.to[0] ? s : 0, crease.to[1] ? s : 0, 0.0);
+        worst = std::max(worst, body.closestEdgePoint(evaluate(volumes.volumes[crease.block], at)).distance);
+      }
+    }
+    return worst;
+  };
+  const auto normalError = [&](const Converted& volumes) {
+    double worst = 0.0;
+    for (int b = 0; b < 6; ++b)
+    {
+      const auto derivative = [&](int d) {
+        return evaluate(volumes.volumes[b], Vec3::Zero(), { d == 0, d == 1, 0 });
+      };
+      // The slopes of roof() along y at the origin.
+      const Vec3 exact = (mesh.blocks[b].at({ cells, cells, 0 })[1] > 0.0 ? Vec3(0, 0.3, 1) : Vec3(0, -0.4, 1));
+      worst = std::max(worst, (derivative(0).cross(derivative(1)).normalized() - exact.normalized()).norm());
+    }
+    return worst;
+  };
+  std::printf("crease: off the edge by %.1e without the body, %.1e with it; normals at the vertex by %.1e and %.1e\n",
+    offTheEdge(plain), offTheEdge(fitted), normalError(plain), normalError(fitted));
+  EXPECT_GT(offTheEdge(plain), 1e-3);
+  EXPECT_LE(offTheEdge(fitted), 1e-12);
+  EXPECT_GT(normalError(plain), 1e-3);
+  EXPECT_LE(normalError(fitted), 1e-12);
+
+  const auto reference = conversioncases::canonicalNet(fitted);
+  for (unsigned seed = 1; seed <= 3; ++seed)
+  {
+    MeshCase other = onRoof(cells);
+    meshcases::shuffle(other, seed, true);
+    EXPECT_TRUE(conversioncases::canonicalNet(converted(other, true)) == reference);
+  }
 }
