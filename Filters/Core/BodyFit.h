@@ -58,10 +58,12 @@ struct BodyFitReport
 /// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it. The
 /// blocks' views point into new memory owned by `complex` afterwards, where anything moved.
 ///
-/// The system L p = t, L the limit masks (3.31), creases and corners as in the conversion, is solved by Chebyshev
+/// The system L p = t is solved, where L p are the points through which the converted wall passes: the limit masks (3.31),
+/// creases and corners as in the conversion, and around extraordinary vertices what their rules make of them. By Chebyshev
 /// iteration (Golub, Varga 1961) without scalar products, so that results are the same bits for any numbering and
 /// orientation of the blocks.
-/// @throws Error if it does not converge, or for options out of range; Aborted.
+/// @throws Error if it does not converge (a cube of six quadrilaterals cannot take any eight limit points), or for options
+/// out of range; Aborted.
 BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options,
   const Execution& run = {});
 

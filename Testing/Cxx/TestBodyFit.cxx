@@ -96,23 +96,16 @@ double deviation(const Converted& converted, double margin)
   return worst;
 }
 
-/// How far the knots of the wall are from its mesh points. The rules at extraordinary vertices touch the knots next to
-/// them, so those are left out.
+/// How far the knots of the wall are from its mesh points.
 double interpolationError(const Converted& converted, const MeshCase& mesh, int cells)
 {
   double worst = 0.0;
-  for (int b = 0; b < 6; ++b)
+  for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
   {
     for (int j = 0; j <= cells; ++j)
     {
       for (int i = 0; i <= cells; ++i)
       {
-        const bool nearI = i < 2 || i > cells - 2, nearJ = j < 2 || j > cells - 2;
-        const bool corner = (i == 0 || i == cells) && (j == 0 || j == cells);
-        if (nearI && nearJ && !corner)
-        {
-          continue;
-        }
         worst = std::max(worst,
           (evaluate(converted.volumes[b], Vec3(i, j, 0)) - mesh.blocks[b].at({ i, j, 0 })).norm());
       }
@@ -123,15 +116,23 @@ double interpolationError(const Converted& converted, const MeshCase& mesh, int 
 
 } // namespace
 
-TEST(BodyFit, LimitPointsLieOnTheGivenPoints)
+TEST(BodyFit, TheWallPassesThroughTheGivenPoints)
 {
-  const int cells = 6;
-  MeshCase mesh = bodyMesh(cells, 0.05);
-  BodyFitReport report;
-  const Converted converted = convertFitted(mesh.mesh(), {}, report);
-  EXPECT_EQ(report.wallPoints, 6 * cells * cells + 2); // Euler: V = F + 2 on a closed surface of quadrilaterals
-  EXPECT_GT(report.initialResidual, 1e-3);
-  EXPECT_LE(interpolationError(converted, mesh, cells), 1e-12);
+  const std::vector<Ijk> one, tromino{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
+  // With two cells the points next to one extraordinary vertex are next to others too.
+  for (const int cells : { 2, 3, 6 })
+  {
+    for (const std::vector<Ijk>& cubes : { one, tromino })
+    {
+      MeshCase mesh = bodyMesh(cells, 0.05, 8, cubes);
+      BodyFitReport report;
+      const Converted converted = convertFitted(mesh.mesh(), {}, report);
+      // Euler: V = F + 2 on a closed surface of quadrilaterals.
+      EXPECT_EQ(report.wallPoints, Index(mesh.blocks.size()) * cells * cells + 2);
+      EXPECT_GT(report.initialResidual, 1e-3);
+      EXPECT_LE(interpolationError(converted, mesh, cells), 1e-12);
+    }
+  }
 }
 
 // Smooth mesh lines on a body interpolated by cubics converge with fourth order; as control points, and where the lines
@@ -195,8 +196,8 @@ TEST(BodyFit, LayersKeepTheirOrder)
   }
 }
 
-// The body's points and normals at the extraordinary vertices move the wall by far more than a thin first layer. Carried
-// into the layers they leave every span valid, proven by Bernstein coefficients.
+// The body's points and normals at the extraordinary vertices move the wall by far more than a thin first layer.
+// Carried into the layers they leave every span valid, proven by Bernstein coefficients.
 TEST(BodyPropagation, ThinLayersStayValid)
 {
   const int cells = 5;
@@ -355,8 +356,8 @@ MeshCase onRoof(int cells)
 
 } // namespace
 
-// Control points on a body with an edge: the limit curve of the crease runs along the edge, and where six patches meet at
-// it the three on each side have the normal of the body there.
+// Control points on a body with an edge: the limit curve of the crease runs along the edge, and where six patches meet
+// at it the three on each side have the normal of the body there.
 TEST(BodyCrease, FollowsTheEdgeAndEachSideHasItsOwnNormal)
 {
   const int cells = 4;
