@@ -812,9 +812,14 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
         report.lowestSpan = part.lowestSpan;
       }
     });
+    // All pieces before this one are complete.
+    std::sort(report.witnesses.begin(), report.witnesses.end(),
+      [](const JacobianWitness& a, const JacobianWitness& b) { return a.span < b.span; });
+    if (static_cast<Index>(report.witnesses.size()) > options.maxWitnesses)
+    {
+      report.witnesses.resize(std::max<Index>(0, options.maxWitnesses));
+    }
   }
-  std::sort(report.witnesses.begin(), report.witnesses.end(),
-    [](const JacobianWitness& a, const JacobianWitness& b) { return a.span < b.span; });
   run.report(1.0);
   return report;
 }

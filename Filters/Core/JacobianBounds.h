@@ -44,6 +44,8 @@ struct JacobianOptions
   /// An undecided span is halved, across the direction in which det J varies most, at most so many times in a row; 0 to
   /// MaxJacobianDepth. A span is given up after some thousand parts.
   int maxDepth = 24;
+  /// Witnesses that are kept: those of the first invalid spans.
+  Index maxWitnesses = 1000000;
   /// @name How the kernel runs; no result depends on it.
   ///@{
   InstructionSet instructions = instructionSets().back();
@@ -93,7 +95,7 @@ struct JacobianReport
   /// The smallest lower bound, and its span.
   double lowest = 0.0;
   Index lowestSpan = -1;
-  /// One per invalid span, ascending.
+  /// One per invalid span, ascending; at most JacobianOptions::maxWitnesses.
   std::vector<JacobianWitness> witnesses;
 };
 
