@@ -393,8 +393,8 @@ int vtkBSplineVolumeQuality::RequestData(
     {
       output->GetFieldData()->AddArray(array);
     }
-    addWitnesses(input, reports, witnesses);
     run.report(1.0);
+    addWitnesses(input, reports, witnesses);
   });
 }
 
