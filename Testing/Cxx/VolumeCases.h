@@ -109,6 +109,10 @@ inline Block reoriented(const Block& block, const Orientation& o)
   forEach(result.counts(), [&](const Ijk& i) {
     const double* p = block.points.data() + 3 * block.at(o.old(i, block.counts()));
     result.points.insert(result.points.end(), p, p + 3);
+    if (!block.weights.empty())
+    {
+      result.weights.push_back(block.weights[block.at(o.old(i, block.counts()))]);
+    }
   });
   return result;
 }
