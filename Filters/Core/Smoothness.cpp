@@ -29,7 +29,8 @@ constexpr double Degrees = 57.295779513082320877;
 // Traces: what a join needs to know of one block
 //------------------------------------------------------------------------------
 
-/// Weights of the control points next to a face, from the face inwards, for the value and the outward derivatives there.
+/// Weights of the control points next to a face, from the face inwards, for the value and the outward derivatives
+/// there.
 struct EndWeights
 {
   int first; ///< control point on the face
@@ -452,7 +453,8 @@ void climb(const Function& f, double step, double& x, double& y, double& best)
       for (int i = 0; i < 3; ++i)
       {
         // Not beyond the borders, up to the last bit.
-        v[j][i] = offer(std::min(std::max(cx + (i - 1) * step, 0.0), 1.0), std::min(std::max(cy + (j - 1) * step, 0.0), 1.0));
+        v[j][i] =
+          offer(std::min(std::max(cx + (i - 1) * step, 0.0), 1.0), std::min(std::max(cy + (j - 1) * step, 0.0), 1.0));
       }
     }
     const auto tryOffset = [&](double dx, double dy) {
@@ -916,6 +918,7 @@ std::vector<Join> wallBorders(const SharedEntities& shared, const SmoothnessOpti
         join.sides[k] = { pair[k].block, pair[k].face, pair[k].edge };
       }
       join.orientation = pair[0].reversed != pair[1].reversed ? 2 : 0;
+      join.valences[0] = -shared.edges[shared.blocks[pair[0].block].edges[pair[0].edge]].uses;
       borders.push_back(join);
     }
   }
@@ -961,29 +964,13 @@ bool isSharp(const Join& join, double angle)
 Continuity continuityOf(const Join& join, double gapTolerance, double tolerance)
 {
   const auto worst = [&](JumpKind kind) { return join.worst[int(kind)].value; };
-  const double kink = join.border() ? worst(JumpKind::NormalS)
-                                    : std::min(worst(JumpKind::NormalS), worst(JumpKind::NormalT));
+  const double kink =
+    join.border() ? worst(JumpKind::NormalS) : std::min(worst(JumpKind::NormalS), worst(JumpKind::NormalT));
   return worst(JumpKind::Gap) > gapTolerance ? Continuity::Open
     : kink > tolerance * Degrees             ? Continuity::C0
     : worst(JumpKind::C1) > tolerance        ? Continuity::G1
     : worst(JumpKind::C2) > tolerance        ? Continuity::C1
                                              : Continuity::C2;
-}
-
-/// The jump by which joins of the same continuity are ranked.
-double severity(const Join& join)
-{
-  switch (join.continuity)
-  {
-    case Continuity::Open:
-      return join.worst[int(JumpKind::Gap)].value;
-    case Continuity::C0:
-      return join.worstNormal().value;
-    case Continuity::G1:
-      return join.worst[int(JumpKind::C1)].value;
-    default:
-      return join.worst[int(JumpKind::C2)].value;
-  }
 }
 
 /// The samples of an interface along one of its sides, in the direction of the shared edge there.
@@ -1000,8 +987,8 @@ struct SideRow
     {
       const int along = reversed ? count - 1 - n : n;
       const int fixed = side ? join.samples[1 - axis] - 1 : 0;
-      const std::size_t place = axis == 0 ? along + std::size_t(join.samples[0]) * fixed
-                                          : fixed + std::size_t(join.samples[0]) * along;
+      const std::size_t place =
+        axis == 0 ? along + std::size_t(join.samples[0]) * fixed : fixed + std::size_t(join.samples[0]) * along;
       this->points.push_back(join.points[place]);
       this->normalJump.push_back(jumps[place]);
     }
@@ -1082,22 +1069,24 @@ void checkOptions(const SmoothnessOptions& options)
       throw Error("smoothness: " + std::string(name) + " is out of range: " + std::to_string(value));
     }
   };
-  check(options.samplesPerSpan >= 1 && options.samplesPerSpan <= 16, "samples per span (1..16)", options.samplesPerSpan);
+  check(
+    options.samplesPerSpan >= 1 && options.samplesPerSpan <= 16, "samples per span (1..16)", options.samplesPerSpan);
   check(options.creaseAngle >= 0.0 && options.creaseAngle <= 180.0, "crease angle (0..180)", options.creaseAngle);
-  check(options.gapTolerance >= 0.0 && std::isfinite(options.gapTolerance), "gap tolerance (>= 0)", options.gapTolerance);
+  check(
+    options.gapTolerance >= 0.0 && std::isfinite(options.gapTolerance), "gap tolerance (>= 0)", options.gapTolerance);
   check(options.tolerance >= 0.0 && std::isfinite(options.tolerance), "tolerance (>= 0)", options.tolerance);
 }
 
 /// Measures joins in batches: their traces need more memory than their results.
-void measureJoins(
-  const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, std::vector<Join>& joins, const Execution& run)
+void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, std::vector<Join>& joins,
+  const Execution& run)
 {
   constexpr double BatchSize = 1e5; // control points
   const auto weight = [&](const Join& join) {
     const BSplineVolume& volume = volumes[join.sides[0].block];
-    return join.border() ? double(volume.count(edgeDirection(join.sides[0].edge)))
-                         : double(volume.count(faceAxis(join.sides[0].face, 0))) *
-        volume.count(faceAxis(join.sides[0].face, 1));
+    return join.border()
+      ? double(volume.count(edgeDirection(join.sides[0].edge)))
+      : double(volume.count(faceAxis(join.sides[0].face, 0))) * volume.count(faceAxis(join.sides[0].face, 1));
   };
   double total = 0.0;
   for (const Join& join : joins)
@@ -1163,11 +1152,25 @@ const char* continuityName(Continuity continuity)
   return Names[static_cast<int>(continuity)];
 }
 
-const JumpMaximum& Join::worstNormal() const
+JumpKind Join::worstNormal() const
 {
-  const JumpMaximum& s = this->worst[int(JumpKind::NormalS)];
-  const JumpMaximum& t = this->worst[int(JumpKind::NormalT)];
-  return t.value > s.value ? t : s;
+  return this->worst[int(JumpKind::NormalT)].value > this->worst[int(JumpKind::NormalS)].value ? JumpKind::NormalT
+                                                                                               : JumpKind::NormalS;
+}
+
+JumpKind Join::rankedBy() const
+{
+  switch (this->continuity)
+  {
+    case Continuity::Open:
+      return JumpKind::Gap;
+    case Continuity::C0:
+      return this->worstNormal();
+    case Continuity::G1:
+      return JumpKind::C1;
+    default:
+      return JumpKind::C2;
+  }
 }
 
 SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>& interfaces,
@@ -1217,7 +1220,8 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
   std::stable_sort(result.ranking.begin(), result.ranking.end(), [&](int a, int b) {
     const Join& x = result.joins[a];
     const Join& y = result.joins[b];
-    return x.crease != y.crease  ? y.crease
+    const auto severity = [](const Join& join) { return join.worst[int(join.rankedBy())].value; };
+    return x.crease != y.crease      ? y.crease
       : x.continuity != y.continuity ? x.continuity < y.continuity
                                      : severity(x) > severity(y);
   });
@@ -1242,6 +1246,37 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
         block.worst[kind] = std::max(block.worst[kind], join.worst[kind].value);
         result.worst[kind] = std::max(result.worst[kind], join.worst[kind].value);
       }
+    }
+  }
+  return result;
+}
+
+FaceSamples sampleFace(const BSplineVolume& volume, int face, int parts)
+{
+  const Trace trace = makeTrace(volume, face, -1);
+  std::array<std::vector<Basis>, 2> stations;
+  for (int k = 0; k < 2; ++k)
+  {
+    const std::vector<int> spans = nonEmptySpans(trace.degree[k], trace.knots[k]);
+    for (const int span : spans)
+    {
+      Cell::Part part;
+      part.span = span;
+      part.width = trace.knots[k][span + 1] - trace.knots[k][span];
+      for (int j = 0; j < parts + (span == spans.back() ? 1 : 0); ++j)
+      {
+        stations[k].push_back(basisAt(trace, k, part, double(j) / parts, double(parts - j) / parts));
+      }
+    }
+  }
+  FaceSamples result;
+  result.samples = { static_cast<int>(stations[0].size()), static_cast<int>(stations[1].size()) };
+  result.points.reserve(stations[0].size() * stations[1].size());
+  for (const Basis& t : stations[1])
+  {
+    for (const Basis& s : stations[0])
+    {
+      result.points.push_back(evaluateSide(trace, s, t).x);
     }
   }
   return result;

@@ -3,8 +3,8 @@
 /// How smoothly the blocks of a B-spline volume join: gaps, kinks and jumps of derivatives along every interface and
 /// along the borders between the blocks on the wall.
 ///
-/// A *join* is an interface, two faces that meet, or a wall border, two boundary faces that meet along a block edge. Its
-/// two sides A and B are compared at equal parameters: those of B follow from those of A by the orientation of the
+/// A *join* is an interface, two faces that meet, or a wall border, two boundary faces that meet along a block edge.
+/// Its two sides A and B are compared at equal parameters: those of B follow from those of A by the orientation of the
 /// contact and, per direction, the affine map between the ranges of the knots. At a point of a join
 ///
 ///   x     is the position,
@@ -17,20 +17,19 @@
 /// | jump       | is | unit |
 /// |------------|----|------|
 /// | `Gap`      | |x_A - x_B| | length |
-/// | `NormalS`  | angle between s_A x n_A and -s_B x n_B, the normals of the layers (surfaces t = const) on both sides | degrees |
-/// | `NormalT`  | the same with t: layers s = const | degrees |
-/// | `Kink`     | angle between n_A and -n_B: of the curves that cross | degrees |
-/// | `C1`       | |n_A + n_B| / max(|n_A|, |n_B|) | 1 |
-/// | `C2`       | h |n2_A - n2_B| / max(|n_A|, |n_B|) | 1 |
+/// | `NormalS`  | angle between s_A x n_A and -s_B x n_B, the normals of the layers (surfaces t = const) on both sides
+/// | degrees | | `NormalT`  | the same with t: layers s = const | degrees | | `Kink`     | angle between n_A and -n_B:
+/// of the curves that cross | degrees | | `C1`       | |n_A + n_B| / max(|n_A|, |n_B|) | 1 | | `C2`       | h |n2_A -
+/// n2_B| / max(|n_A|, |n_B|) | 1 |
 ///
 /// where h is the shorter of the two knot spans at the join. So C2 is the part of the first derivative by which the two
 /// sides would drift apart over one span: it depends neither on the unit of length nor on a common factor of the knots,
 /// and stays finite where nothing is curved, as a ratio of second derivatives would not.
 /// An angle with a vector that vanishes up to rounding, as at poles, is 0; so are C1 and C2 where both n vanish.
 ///
-/// The two normal jumps are kept apart because they mean different things: a join with n_B = -(a n_A + b s) is G1 for the
-/// layers through s (NormalS is 0, whatever a and b) and kinks those through t. At an extraordinary edge along t the
-/// layers through s are those that it pierces.
+/// The two normal jumps are kept apart because they mean different things: a join with n_B = -(a n_A + b s) is G1 for
+/// the layers through s (NormalS is 0, whatever a and b) and kinks those through t. At an extraordinary edge along t
+/// the layers through s are those that it pierces.
 #pragma once
 
 #include "BSplineVolume.h"
@@ -73,8 +72,8 @@ struct SmoothnessOptions
   /// Every span is cut into this many parts per direction. Range 1..16. With as many parts as the degree no polynomial
   /// jump of position or derivatives can hide between the samples.
   int samplesPerSpan = 3;
-  /// A wall border is a crease, wanted by the user, where more than half of its samples turn by more than this. Degrees,
-  /// range [0, 180].
+  /// A wall border is a crease, wanted by the user, where more than half of its samples turn by more than this.
+  /// Degrees, range [0, 180].
   double creaseAngle = 30.0;
   /// A join has a gap if it is wider than this fraction of the diagonal of the joins' bounding box. At least 0.
   double gapTolerance = 1e-10;
@@ -83,8 +82,8 @@ struct SmoothnessOptions
   double tolerance = 1e-6;
   /// The outer faces that form the wall.
   std::function<bool(int block, int face)> isWall = [](int, int) { return true; };
-  /// ControlPointRule per control point of each block, or null; the list may be empty. A wall border whose inner control
-  /// points are all made by crease or corner rules is a crease at any angle.
+  /// ControlPointRule per control point of each block, or null; the list may be empty. A wall border whose inner
+  /// control points are all made by crease or corner rules is a crease at any angle.
   std::vector<const unsigned char*> rules;
   /// How errors call a block.
   std::function<std::string(int block)> blockName = [](int block) { return "block " + std::to_string(block); };
@@ -115,13 +114,17 @@ struct Join
   bool border() const { return this->sides[0].edge >= 0; }
 
   std::array<JumpMaximum, JumpKinds> worst;
-  /// The larger of the two maxima of NormalS and NormalT.
-  const JumpMaximum& worstNormal() const;
   Continuity continuity = Continuity::C2;
   /// A wall border that is meant to be sharp: it counts in no total and is ranked last.
   bool crease = false;
+  /// NormalS or NormalT, whose maximum is larger.
+  JumpKind worstNormal() const;
+  /// The jump that keeps the join from being smoother, by which joins of the same continuity are ranked: the gap, the
+  /// worst normal jump, C1 (for G1), or C2 (for C1 and C2).
+  JumpKind rankedBy() const;
 
   /// Blocks around the four edges of an interface at s = 0, s = end, t = 0, t = end; negative on the outer boundary.
+  /// Of a wall border only the first: blocks around it, negative.
   std::array<int, 4> valences{ 0, 0, 0, 0 };
 
   /// Spans along s and t. Where the knots of the two sides differ, a span of the join ends at each of either.
@@ -161,8 +164,7 @@ struct SmoothnessResult
 {
   /// One per interface, in their order, then the wall borders.
   std::vector<Join> joins;
-  /// All joins, the worst first: by continuity, then by the jump that breaks it: gap, normal jump, C1 (for G1) and C2
-  /// (for C1 and C2). Creases come last.
+  /// All joins, the worst first: by continuity, then by the jump Join::rankedBy(). Creases come last.
   std::vector<int> ranking;
   std::vector<ExtraordinaryCurve> curves;
   std::vector<BlockSmoothness> blocks;
@@ -180,5 +182,13 @@ struct SmoothnessResult
 /// refuses; Aborted.
 SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>& interfaces,
   const SmoothnessOptions& options = {}, const Execution& run = {});
+
+/// Points of a block face: `parts` equal parts of every span per axis.
+struct FaceSamples
+{
+  std::array<int, 2> samples{ 0, 0 };
+  std::vector<Vec3> points; ///< first face axis fastest
+};
+FaceSamples sampleFace(const BSplineVolume& volume, int face, int parts);
 
 } // namespace bsv

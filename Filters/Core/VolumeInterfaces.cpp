@@ -111,9 +111,7 @@ std::vector<Interface> findVolumeInterfaces(
   {
     known[6 * patch.block + patch.face] = true;
   }
-  const auto name = [&](int face) {
-    return options.blockName(face / 6) + " face " + std::to_string(face % 6);
-  };
+  const auto name = [&](int face) { return options.blockName(face / 6) + " face " + std::to_string(face % 6); };
   run.parallelFor(static_cast<Index>(faces.size()), 1, [&](Index begin, Index end) {
     for (Index f = begin; f < end; ++f)
     {
@@ -133,9 +131,8 @@ std::vector<Interface> findVolumeInterfaces(
     }
   }
   // The point in the middle is the same in all orientations.
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return std::make_pair(faces[a].centre()[0], a) < std::make_pair(faces[b].centre()[0], b);
-  });
+  std::sort(order.begin(), order.end(),
+    [&](int a, int b) { return std::make_pair(faces[a].centre()[0], a) < std::make_pair(faces[b].centre()[0], b); });
 
   std::vector<int> partner(faces.size(), -1);
   std::vector<Interface> result;
@@ -181,7 +178,8 @@ std::vector<Interface> findVolumeInterfaces(
       contact.blockB = b / 6;
       contact.faceB = b % 6;
       contact.orientation = best;
-      contact.rangeA.hi = { volumes[a / 6].count(faceAxis(a % 6, 0)) - 1, volumes[a / 6].count(faceAxis(a % 6, 1)) - 1 };
+      contact.rangeA.hi = { volumes[a / 6].count(faceAxis(a % 6, 0)) - 1,
+        volumes[a / 6].count(faceAxis(a % 6, 1)) - 1 };
       result.push_back(contact);
     }
   }
