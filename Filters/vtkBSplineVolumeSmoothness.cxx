@@ -197,7 +197,8 @@ vtkSmartPointer<vtkPolyData> interfaceSurface(const bsv::Join& join, int id, int
   for (const auto& array :
     { listed<vtkIntArray>("InterfaceId", { id }), listed<vtkIntArray>("Blocks", { sides[0].block, sides[1].block }),
       listed<vtkIntArray>("Faces", { sides[0].face, sides[1].face }),
-      listed<vtkIntArray>("Orientation", { join.orientation }), listed<vtkIntArray>("Continuity", { continuity }),
+      listed<vtkIntArray>("Orientation", { join.orientation }),
+      listed<vtkIntArray>("AtCrease", { join.atCrease ? 1 : 0 }), listed<vtkIntArray>("Continuity", { continuity }),
       listed<vtkIntArray>("Valences", { v[0], v[1], v[2], v[3] }) })
   {
     surface->GetFieldData()->AddArray(array);
@@ -308,6 +309,7 @@ void fillTable(vtkTable* table, const bsv::SmoothnessResult& result, const std::
     integer("Edge" + letter, [&](const Join& join) { return join.sides[side].edge; });
   }
   integer("Orientation", [](const Join& join) { return join.orientation; });
+  integer("AtCrease", [](const Join& join) { return join.crease || join.atCrease ? 1 : 0; });
   for (const Measure& measure : measures())
   {
     const std::string name = std::string("Maximum") + measure.name;

@@ -25,20 +25,21 @@
  * Output ports:
  * 0. `Interfaces`: vtkPartitionedDataSetCollection, one vtkPolyData per interface, named "A|B" after its blocks. Point
  *    arrays `Gap`, `NormalJump` (2), `WorstNormalJump`, `Kink`, `C1Jump`, `C2Jump` at SamplesPerSpan parts of every
- * span. Cell arrays: `SpanGap`, `SpanNormalJump`, `SpanKink`, `SpanC1Jump`, `SpanC2Jump`, the maxima over the control
- * span that the cell lies in; `Continuity`. Field data: `MaximumGap`, `MaximumNormalJump`, `MaximumKink`,
- * `MaximumC1Jump`, `MaximumC2Jump` (double), `InterfaceId`, `Blocks` (2), `Faces` (2), `Orientation`, `Continuity`
- * (int), `Valences` (int, 4: blocks around the edges at s = 0, s = end, t = 0, t = end of face A; negative on the outer
- * boundary).
+ *    span. Cell arrays `SpanGap`, `SpanNormalJump`, `SpanKink`, `SpanC1Jump`, `SpanC2Jump`, the maxima over the control
+ *    span that the cell lies in, and `Continuity`. Field data `MaximumGap`, `MaximumNormalJump`, `MaximumKink`,
+ *    `MaximumC1Jump`, `MaximumC2Jump` (double), `InterfaceId`, `Blocks` (2), `Faces` (2), `Orientation`, `AtCrease`,
+ *    `Continuity` (int), `Valences` (int, 4: blocks around the edges at s = 0, s = end, t = 0, t = end of face A;
+ *    negative on the outer boundary). The collection's field data hold the maxima of all joins that are no creases.
  * 1. `Blocks`: vtkPartitionedDataSetCollection with the blocks' names: the skin of each block as vtkPolyData. Cell and
  *    field arrays `Gap`, `NormalJump`, `Kink`, `C1Jump`, `C2Jump`, `Continuity`: the worst of the block's joins;
  *    `WorstJoin` (int): row of the table, or -1.
  * 2. `Joins`: vtkTable, one row per interface and wall border, the worst first: by continuity, then by the jump that
  *    breaks it (`RankedBy`), creases last. Columns: `Continuity` (string: open, C0, G1, C1, C2), `Kind` (string:
- *    interface, wall border, crease), `NameA`, `NameB`, `BlockA`, `BlockB`, `FaceA`, `FaceB`, `EdgeA`, `EdgeB` (block
- *    edges of a wall border, else -1), `Orientation`, `MaximumGap`, `MaximumNormalJump`, `MaximumNormalJumpS`,
- *    `MaximumNormalJumpT`, `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump`, and of the jump `RankedBy` (string) where
- * it is largest: `Where` (3), `UVWA` (3), `UVWB` (3: parameters in either block).
+ *    interface, wall border, crease), `NameA`, `NameB`, `BlockA`, `FaceA`, `EdgeA`, `BlockB`, `FaceB`, `EdgeB` (block
+ *    edges of a wall border, else -1), `Orientation`, `AtCrease` (int: 1 for creases and for interfaces that end at one,
+ *    whose layers must kink there), `MaximumGap`, `MaximumNormalJump`, `MaximumNormalJumpS`, `MaximumNormalJumpT`,
+ *    `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump`, `RankedBy` (string), and where the jump of that name is largest:
+ *    `Where` (3: point), `UVWA` (3), `UVWB` (3: parameters in either block).
  * 3. `Curves`: vtkPolyData, lines: extraordinary curves (interior block edges at which other than four blocks meet) and
  *    wall borders. Point arrays `Valence` (int: blocks around), `NormalJump` (of the layers that an extraordinary curve
  *    pierces, the largest around it; of the wall); cell arrays `Kind` (int: 0 extraordinary curve, 1 wall border, 2

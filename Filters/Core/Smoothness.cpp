@@ -491,9 +491,10 @@ void climb(const Function& f, double step, double& x, double& y, double& best)
 class JoinMeasurement
 {
 public:
-  JoinMeasurement(const std::vector<BSplineVolume>& volumes, int parts, Join& join)
+  JoinMeasurement(const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, Join& join)
     : Volumes(volumes)
-    , Parts(parts)
+    , Options(options)
+    , Parts(options.samplesPerSpan)
     , Result(join)
   {
   }
@@ -831,9 +832,18 @@ private:
   /// What is rounding only has many maxima, and none of them matters.
   bool worthClimbing(int kind, double value) const
   {
-    constexpr double Noise = 64.0;
-    const double size = Noise * Rounding * std::max(this->Traces[0].size, this->Traces[1].size);
-    return kind == static_cast<int>(JumpKind::Gap) ? value > size : value > Noise * Rounding;
+    constexpr double Gap = 64.0 * Rounding;
+    constexpr double Part = 1e-3;
+    switch (static_cast<JumpKind>(kind))
+    {
+      case JumpKind::Gap:
+        return value > Gap * std::max(this->Traces[0].size, this->Traces[1].size);
+      case JumpKind::C1:
+      case JumpKind::C2:
+        return value > Part * this->Options.tolerance;
+      default:
+        return value > Part * this->Options.tolerance * Degrees;
+    }
   }
 
   /// Parameters in the block of the frame's side `side`.
@@ -861,12 +871,14 @@ private:
       const Cell::Part& part = this->Cells[n][best.cell[n]].parts[side];
       const double u = part.start + (n == 0 ? best.x : best.y) * part.width;
       const int d = axes[frame.axis[n]];
-      uvw[d] = std::min(std::max(frame.flip[n] ? -u : u, v.knots[d][v.degree[d]]), v.knots[d][v.count(d)]);
+      // No negative zero.
+      uvw[d] = std::min(std::max(frame.flip[n] ? 0.0 - u : u, v.knots[d][v.degree[d]]), v.knots[d][v.count(d)]);
     }
     return uvw;
   }
 
   const std::vector<BSplineVolume>& Volumes;
+  const SmoothnessOptions& Options;
   int Parts;
   Join& Result;
   /// In the frame; B first if Exchange.
@@ -971,6 +983,27 @@ Continuity continuityOf(const Join& join, double gapTolerance, double tolerance)
     : worst(JumpKind::C1) > tolerance        ? Continuity::G1
     : worst(JumpKind::C2) > tolerance        ? Continuity::C1
                                              : Continuity::C2;
+}
+
+/// Which interfaces end at a crease.
+void markCreases(const SharedEntities& shared, std::vector<Join>& joins)
+{
+  std::vector<bool> crease(shared.edges.size(), false);
+  for (const Join& join : joins)
+  {
+    if (join.crease)
+    {
+      crease[shared.blocks[join.sides[0].block].edges[join.sides[0].edge]] = true;
+    }
+  }
+  for (Join& join : joins)
+  {
+    for (int n = 0; n < 4 && !join.border(); ++n)
+    {
+      const int edge = faceEdge(join.sides[0].face, n < 2 ? 1 : 0, n % 2);
+      join.atCrease = join.atCrease || crease[shared.blocks[join.sides[0].block].edges[edge]];
+    }
+  }
 }
 
 /// The samples of an interface along one of its sides, in the direction of the shared edge there.
@@ -1103,7 +1136,7 @@ void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOpt
     {
       Join& join = joins[first + batch.size()];
       size += weight(join);
-      batch.emplace_back(volumes, options.samplesPerSpan, join);
+      batch.emplace_back(volumes, options, join);
     }
     const Index count = static_cast<Index>(batch.size());
     std::vector<char> finite(batch.size(), 1);
@@ -1213,6 +1246,7 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
       join.crease = taggedCrease(join, volumes[block], rules) || isSharp(join, options.creaseAngle);
     }
   }
+  markCreases(shared, result.joins);
   result.curves = extraordinaryCurves(shared, result.joins);
 
   result.ranking.resize(result.joins.size());

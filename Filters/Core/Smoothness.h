@@ -117,6 +117,8 @@ struct Join
   Continuity continuity = Continuity::C2;
   /// A wall border that is meant to be sharp: it counts in no total and is ranked last.
   bool crease = false;
+  /// An interface that ends at a crease: its layers must kink there, and fade into the volume.
+  bool atCrease = false;
   /// NormalS or NormalT, whose maximum is larger.
   JumpKind worstNormal() const;
   /// The jump that keeps the join from being smoother, by which joins of the same continuity are ranked: the gap, the
@@ -173,7 +175,8 @@ struct SmoothnessResult
 };
 
 /// Samples all joins and then refines the maxima: from the best samples of the spans that come within 20 % of the best
-/// of their join (at most 8 of them) the jump is followed to its local maximum by quadratic fits.
+/// of their join (at most 8 of them) the jump is followed to its local maximum by quadratic fits, unless it is below a
+/// thousandth of what counts as smooth.
 ///
 /// The values are the same bits for any order and orientation of the blocks, if knots are spaced equally bit for bit in
 /// both senses, and for any `run`. Interfaces span whole faces; their ranges are not used.

@@ -33,6 +33,7 @@ FaceSamples faceSamples(const BSplineVolume& volume, int face, double fraction)
     return f == 1.0 ? last : first + f * (last - first);
   };
   const int across = faceDirection(face);
+  const std::vector<int> spans = nonEmptySpans(volume.degree[across], volume.knots[across]);
   FaceSamples result;
   double shortest = std::numeric_limits<double>::infinity();
   double longest = 0.0;
@@ -48,7 +49,6 @@ FaceSamples faceSamples(const BSplineVolume& volume, int face, double fraction)
       uvw[across] = parameter(across, faceSide(face));
       const Vec3 x = evaluate(volume, uvw);
       // As far inside as the first span reaches: thin layers are thinner than the samples are apart.
-      const std::vector<int> spans = nonEmptySpans(volume.degree[across], volume.knots[across]);
       uvw[across] = volume.knots[across][faceSide(face) ? spans.back() : spans.front() + 1];
       below[t][s] = evaluate(volume, uvw);
       result.points[t][s] = x;

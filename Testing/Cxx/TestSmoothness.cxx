@@ -833,7 +833,9 @@ TEST(Smoothness, WallBorders)
   EXPECT_NEAR(worst(border(onFloor), JumpKind::NormalS), 40.0, 1e-11);
   EXPECT_NEAR(worst(border(onFloor), JumpKind::Kink), 40.0, 1e-11);
   EXPECT_TRUE(border(onFloor).crease);
+  EXPECT_TRUE(measureSmoothness(t.volumes(), { t.contact }, onFloor).joins.at(0).atCrease);
   onFloor.creaseAngle = 41.0;
+  EXPECT_FALSE(measureSmoothness(t.volumes(), { t.contact }, onFloor).joins.at(0).atCrease);
   EXPECT_FALSE(border(onFloor).crease);
   std::vector<unsigned char> rules(64, static_cast<unsigned char>(ControlPointRule::Crease));
   onFloor.rules = { rules.data(), rules.data() };
