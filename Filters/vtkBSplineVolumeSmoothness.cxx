@@ -64,8 +64,8 @@ struct Measure
 const std::vector<Measure>& measures()
 {
   static const std::vector<Measure> all{ { "Gap", { JumpKind::Gap } },
-    { "NormalJump", { JumpKind::NormalS, JumpKind::NormalT } }, { "Kink", { JumpKind::Kink } },
-    { "C1Jump", { JumpKind::C1 } }, { "C2Jump", { JumpKind::C2 } } };
+    { "NormalJump", { JumpKind::NormalS, JumpKind::NormalT } }, { "LayerJump", { JumpKind::Layer } },
+    { "Kink", { JumpKind::Kink } }, { "C1Jump", { JumpKind::C1 } }, { "C2Jump", { JumpKind::C2 } } };
   return all;
 }
 
@@ -510,7 +510,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
     return 0;
   }
 
-  this->MaximumGap = this->MaximumNormalJump = this->MaximumKink = this->MaximumC1Jump = this->MaximumC2Jump = 0.0;
+  this->MaximumGap = this->MaximumNormalJump = this->MaximumLayerJump = this->MaximumKink = this->MaximumC1Jump =
+    this->MaximumC2Jump = 0.0;
   this->NumberOfInterfaces = this->NumberOfWallBorders = this->NumberOfExtraordinaryCurves = 0;
   this->Report.clear();
 
@@ -584,8 +585,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
     }
     setParts(output.blocks, surfaces, input.names, "Blocks");
 
-    double* totals[] = { &this->MaximumGap, &this->MaximumNormalJump, &this->MaximumKink, &this->MaximumC1Jump,
-      &this->MaximumC2Jump };
+    double* totals[] = { &this->MaximumGap, &this->MaximumNormalJump, &this->MaximumLayerJump, &this->MaximumKink,
+      &this->MaximumC1Jump, &this->MaximumC2Jump };
     for (std::size_t m = 0; m < measures().size(); ++m)
     {
       const Measure& measure = measures()[m];

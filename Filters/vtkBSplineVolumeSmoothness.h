@@ -14,30 +14,33 @@
  * - `NormalJump` (degrees): angle between the normals of the layers on both sides. Two families of layers cross an
  *   interface, those through its first and those through its second axis (component 0 and 1 where there are two);
  *   without components the larger one;
+ * - `LayerJump` (degrees): the normal jump that counts: without layers along which an extraordinary edge or a crease of
+ *   the interface runs, which are bound to kink there (by 60 degrees where three blocks meet);
  * - `Kink` (degrees): angle between the parameter lines that cross;
  * - `C1Jump` (relative): |n_A + n_B| / max(|n_A|, |n_B|) of the outward first derivatives n;
  * - `C2Jump` (relative): h |n2_A - n2_B| / max(|n_A|, |n_B|) with the second derivatives n2 and the shorter span h.
  *
- * `Continuity` (int): 0 open (wider than GapTolerance), 1 C0 (both families of layers kink), 2 G1 (one family is smooth
- * all along), 3 C1, 4 C2; jumps up to Tolerance count as smooth. A wall border that is meant to be sharp is a *crease*
- * (CreaseAngle): it is listed, last, but counts in no total.
+ * `Continuity` (int): 0 open (wider than GapTolerance), 1 C0 (layers kink that need not), 2 G1 (one family of layers,
+ * or all that need not kink, are smooth all along), 3 C1, 4 C2; jumps up to Tolerance count as smooth. A wall border
+ * that is meant to be sharp is a *crease* (CreaseAngle): it is listed, last, but counts in no total.
  *
  * Output ports:
  * 0. `Interfaces`: vtkPartitionedDataSetCollection, one vtkPolyData per interface, named "A|B" after its blocks. Point
- *    arrays `Gap`, `NormalJump` (2), `WorstNormalJump`, `Kink`, `C1Jump`, `C2Jump` at SamplesPerSpan parts of every
- *    span. Cell arrays `SpanGap`, `SpanNormalJump`, `SpanKink`, `SpanC1Jump`, `SpanC2Jump`, the maxima over the control
- *    span that the cell lies in, and `Continuity`. Field data `MaximumGap`, `MaximumNormalJump`, `MaximumKink`,
- *    `MaximumC1Jump`, `MaximumC2Jump` (double), `InterfaceId`, `Blocks` (2), `Faces` (2), `Orientation`, `AtCrease`,
- *    `Continuity` (int), `Valences` (int, 4: blocks around the edges at s = 0, s = end, t = 0, t = end of face A;
- *    negative on the outer boundary). The collection's field data hold the maxima of all joins that are no creases.
+ *    arrays `Gap`, `NormalJump` (2), `WorstNormalJump`, `LayerJump`, `Kink`, `C1Jump`, `C2Jump` at SamplesPerSpan parts
+ *    of every span. Cell arrays `SpanGap`, `SpanNormalJump`, `SpanLayerJump`, `SpanKink`, `SpanC1Jump`, `SpanC2Jump`,
+ *    the maxima over the control span that the cell lies in, and `Continuity`. Field data `MaximumGap`,
+ *    `MaximumNormalJump`, `MaximumLayerJump`, `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump` (double), `InterfaceId`,
+ *    `Blocks` (2), `Faces` (2), `Orientation`, `AtCrease`, `Continuity` (int), `Valences` (int, 4: blocks around the
+ *    edges at s = 0, s = end, t = 0, t = end of face A; negative on the outer boundary). The collection's field data
+ *    hold the maxima of all joins that are no creases.
  * 1. `Blocks`: vtkPartitionedDataSetCollection with the blocks' names: the skin of each block as vtkPolyData. Cell and
- *    field arrays `Gap`, `NormalJump`, `Kink`, `C1Jump`, `C2Jump`, `Continuity`: the worst of the block's joins;
- *    `WorstJoin` (int): row of the table, or -1.
+ *    field arrays `Gap`, `NormalJump`, `LayerJump`, `Kink`, `C1Jump`, `C2Jump`, `Continuity`: the worst of the block's
+ *    joins; `WorstJoin` (int): row of the table, or -1.
  * 2. `Joins`: vtkTable, one row per interface and wall border, the worst first: by continuity, then by the jump that
  *    breaks it (`RankedBy`), creases last. Columns: `Continuity` (string: open, C0, G1, C1, C2), `Kind` (string:
  *    interface, wall border, crease), `NameA`, `NameB`, `BlockA`, `FaceA`, `EdgeA`, `BlockB`, `FaceB`, `EdgeB` (block
- *    edges of a wall border, else -1), `Orientation`, `AtCrease` (int: 1 for creases and for interfaces that end at one,
- *    whose layers must kink there), `MaximumGap`, `MaximumNormalJump`, `MaximumNormalJumpS`, `MaximumNormalJumpT`,
+ *    edges of a wall border, else -1), `Orientation`, `AtCrease` (int: 1 for creases and for interfaces that end at
+ *    one), `MaximumGap`, `MaximumNormalJump`, `MaximumNormalJumpS`, `MaximumNormalJumpT`, `MaximumLayerJump`,
  *    `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump`, `RankedBy` (string), and where the jump of that name is largest:
  *    `Where` (3: point), `UVWA` (3), `UVWB` (3: parameters in either block).
  * 3. `Curves`: vtkPolyData, lines: extraordinary curves (interior block edges at which other than four blocks meet) and
@@ -132,6 +135,7 @@ public:
    */
   vtkGetMacro(MaximumGap, double);
   vtkGetMacro(MaximumNormalJump, double);
+  vtkGetMacro(MaximumLayerJump, double);
   vtkGetMacro(MaximumKink, double);
   vtkGetMacro(MaximumC1Jump, double);
   vtkGetMacro(MaximumC2Jump, double);
@@ -163,6 +167,7 @@ private:
 
   double MaximumGap = 0.0;
   double MaximumNormalJump = 0.0;
+  double MaximumLayerJump = 0.0;
   double MaximumKink = 0.0;
   double MaximumC1Jump = 0.0;
   double MaximumC2Jump = 0.0;

@@ -402,14 +402,20 @@ Vec3 normalOf(const Vec3& s, const Vec3& n)
   return normal.norm() > Parallel * s.norm() * n.norm() ? normal : Vec3::Zero();
 }
 
-Jumps jumpsOf(const SideValues& a, const SideValues& b, double length)
+/// @param boundToKink the layers through s and t
+Jumps jumpsOf(const SideValues& a, const SideValues& b, double length, const std::array<bool, 2>& boundToKink)
 {
   const double scale = std::max(a.n.norm(), b.n.norm());
   const Vec3 inB = -b.n;
   Jumps jumps{};
   jumps[int(JumpKind::Gap)] = (a.x - b.x).norm();
-  jumps[int(JumpKind::NormalS)] = angle(normalOf(a.s, a.n), normalOf(b.s, inB));
-  jumps[int(JumpKind::NormalT)] = angle(normalOf(a.t, a.n), normalOf(b.t, inB));
+  const double s = angle(normalOf(a.s, a.n), normalOf(b.s, inB));
+  const double t = angle(normalOf(a.t, a.n), normalOf(b.t, inB));
+  jumps[int(JumpKind::NormalS)] = s;
+  jumps[int(JumpKind::NormalT)] = t;
+  jumps[int(JumpKind::Layer)] = boundToKink[0] == boundToKink[1] ? (boundToKink[0] ? std::min(s, t) : std::max(s, t))
+    : boundToKink[0]                                             ? t
+                                                                 : s;
   jumps[int(JumpKind::Kink)] = angle(a.n, inB);
   if (scale > 0.0)
   {
@@ -518,6 +524,7 @@ public:
       this->placeStations(k);
     }
     const std::array<int, 2>& axis = this->frameOfA().axis;
+    this->BoundToKink = { this->Result.boundToKink[axis[0]], this->Result.boundToKink[axis[1]] };
     for (int k = 0; k < 2; ++k)
     {
       this->Result.spans[axis[k]] = static_cast<int>(this->Cells[k].size());
@@ -756,7 +763,7 @@ private:
     {
       *point = 0.5 * (a.x + b.x);
     }
-    return jumpsOf(a, b, this->Length);
+    return jumpsOf(a, b, this->Length, this->BoundToKink);
   }
 
   struct Best
@@ -887,6 +894,7 @@ private:
   bool Exchange = false;
   double Length = 0.0;
   /// Per axis of the frame.
+  std::array<bool, 2> BoundToKink{ false, false };
   std::array<std::vector<Cell>, 2> Cells;
   std::array<std::vector<std::vector<Station>>, 2> Stations;
 };
@@ -976,8 +984,9 @@ bool isSharp(const Join& join, double angle)
 Continuity continuityOf(const Join& join, double gapTolerance, double tolerance)
 {
   const auto worst = [&](JumpKind kind) { return join.worst[int(kind)].value; };
-  const double kink =
-    join.border() ? worst(JumpKind::NormalS) : std::min(worst(JumpKind::NormalS), worst(JumpKind::NormalT));
+  const double kink = join.border()
+    ? worst(JumpKind::NormalS)
+    : std::min({ worst(JumpKind::NormalS), worst(JumpKind::NormalT), worst(JumpKind::Layer) });
   return worst(JumpKind::Gap) > gapTolerance ? Continuity::Open
     : kink > tolerance * Degrees             ? Continuity::C0
     : worst(JumpKind::C1) > tolerance        ? Continuity::G1
@@ -985,24 +994,24 @@ Continuity continuityOf(const Join& join, double gapTolerance, double tolerance)
                                              : Continuity::C2;
 }
 
-/// Which interfaces end at a crease.
-void markCreases(const SharedEntities& shared, std::vector<Join>& joins)
+/// Interior edge at which other than four blocks meet.
+bool isExtraordinary(const SharedEntities::Edge& edge)
 {
-  std::vector<bool> crease(shared.edges.size(), false);
-  for (const Join& join : joins)
+  return !edge.boundary && edge.uses != 4;
+}
+
+/// What the edges of an interface say about it.
+void describeInterface(const SharedEntities& shared, const std::vector<bool>& crease, Join& join)
+{
+  for (int n = 0; n < 4; ++n)
   {
-    if (join.crease)
-    {
-      crease[shared.blocks[join.sides[0].block].edges[join.sides[0].edge]] = true;
-    }
-  }
-  for (Join& join : joins)
-  {
-    for (int n = 0; n < 4 && !join.border(); ++n)
-    {
-      const int edge = faceEdge(join.sides[0].face, n < 2 ? 1 : 0, n % 2);
-      join.atCrease = join.atCrease || crease[shared.blocks[join.sides[0].block].edges[edge]];
-    }
+    // Side n is s = 0, s = end, t = 0, t = end; its edge runs along the other axis.
+    const int axis = n < 2 ? 1 : 0;
+    const int edge = shared.blocks[join.sides[0].block].edges[faceEdge(join.sides[0].face, axis, n % 2)];
+    const SharedEntities::Edge& entity = shared.edges[edge];
+    join.valences[n] = entity.uses * (entity.boundary ? -1 : 1);
+    join.atCrease = join.atCrease || crease[edge];
+    join.boundToKink[axis] = join.boundToKink[axis] || crease[edge] || isExtraordinary(entity);
   }
 }
 
@@ -1043,27 +1052,19 @@ struct SideRow
   }
 };
 
-std::vector<ExtraordinaryCurve> extraordinaryCurves(const SharedEntities& shared, std::vector<Join>& joins)
+std::vector<ExtraordinaryCurve> extraordinaryCurves(const SharedEntities& shared, const std::vector<Join>& joins)
 {
   std::vector<std::vector<SideRow>> rows(shared.edges.size());
-  const auto extraordinary = [&](int edge) { return !shared.edges[edge].boundary && shared.edges[edge].uses != 4; };
-  for (Join& join : joins)
+  for (const Join& join : joins)
   {
-    if (join.border())
+    for (int n = 0; n < 4 && !join.border(); ++n)
     {
-      continue;
-    }
-    const SharedEntities::Block& block = shared.blocks[join.sides[0].block];
-    for (int n = 0; n < 4; ++n)
-    {
-      // Side n is s = 0, s = end, t = 0, t = end; its edge runs along the other axis.
       const int axis = n < 2 ? 1 : 0;
       const int own = faceEdge(join.sides[0].face, axis, n % 2);
-      const int edge = block.edges[own];
-      join.valences[n] = shared.edges[edge].uses * (shared.edges[edge].boundary ? -1 : 1);
-      if (extraordinary(edge))
+      const SharedEntities::Block& block = shared.blocks[join.sides[0].block];
+      if (isExtraordinary(shared.edges[block.edges[own]]))
       {
-        rows[edge].emplace_back(join, axis, n % 2, block.edgeReversed[own]);
+        rows[block.edges[own]].emplace_back(join, axis, n % 2, block.edgeReversed[own]);
       }
     }
   }
@@ -1110,32 +1111,29 @@ void checkOptions(const SmoothnessOptions& options)
   check(options.tolerance >= 0.0 && std::isfinite(options.tolerance), "tolerance (>= 0)", options.tolerance);
 }
 
-/// Measures joins in batches: their traces need more memory than their results.
+/// Control points of side A.
+double controlPoints(const BSplineVolume& volume, const Join& join)
+{
+  const Join::Side& side = join.sides[0];
+  return join.border() ? double(volume.count(edgeDirection(side.edge)))
+                       : double(volume.count(faceAxis(side.face, 0))) * volume.count(faceAxis(side.face, 1));
+}
+
+/// Measures joins [begin, end) in batches: their traces need more memory than their results. `done` counts the control
+/// points of all joins, `total` is their number.
 void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, std::vector<Join>& joins,
-  const Execution& run)
+  std::size_t begin, std::size_t end, double& done, double total, const Execution& run)
 {
   constexpr double BatchSize = 1e5; // control points
-  const auto weight = [&](const Join& join) {
-    const BSplineVolume& volume = volumes[join.sides[0].block];
-    return join.border()
-      ? double(volume.count(edgeDirection(join.sides[0].edge)))
-      : double(volume.count(faceAxis(join.sides[0].face, 0))) * volume.count(faceAxis(join.sides[0].face, 1));
-  };
-  double total = 0.0;
-  for (const Join& join : joins)
-  {
-    total += weight(join);
-  }
-  double done = 0.0;
-  for (std::size_t first = 0; first < joins.size();)
+  for (std::size_t first = begin; first < end;)
   {
     run.report(done / total);
     std::vector<JoinMeasurement> batch;
     double size = 0.0;
-    for (; first + batch.size() < joins.size() && size < BatchSize;)
+    while (first + batch.size() < end && size < BatchSize)
     {
       Join& join = joins[first + batch.size()];
-      size += weight(join);
+      size += controlPoints(volumes[join.sides[0].block], join);
       batch.emplace_back(volumes, options, join);
     }
     const Index count = static_cast<Index>(batch.size());
@@ -1185,12 +1183,6 @@ const char* continuityName(Continuity continuity)
   return Names[static_cast<int>(continuity)];
 }
 
-JumpKind Join::worstNormal() const
-{
-  return this->worst[int(JumpKind::NormalT)].value > this->worst[int(JumpKind::NormalS)].value ? JumpKind::NormalT
-                                                                                               : JumpKind::NormalS;
-}
-
 JumpKind Join::rankedBy() const
 {
   switch (this->continuity)
@@ -1198,7 +1190,7 @@ JumpKind Join::rankedBy() const
     case Continuity::Open:
       return JumpKind::Gap;
     case Continuity::C0:
-      return this->worstNormal();
+      return JumpKind::Layer;
     case Continuity::G1:
       return JumpKind::C1;
     default:
@@ -1222,7 +1214,29 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
   }
   const std::vector<Join> borders = wallBorders(shared, options);
   result.joins.insert(result.joins.end(), borders.begin(), borders.end());
-  measureJoins(volumes, options, result.joins, run);
+  double total = 0.0;
+  for (const Join& join : result.joins)
+  {
+    total += controlPoints(volumes[join.sides[0].block], join);
+  }
+
+  // The borders first: creases tell which layers of the interfaces are bound to kink.
+  double done = 0.0;
+  measureJoins(volumes, options, result.joins, interfaces.size(), result.joins.size(), done, total, run);
+  std::vector<bool> crease(shared.edges.size(), false);
+  for (std::size_t n = interfaces.size(); n < result.joins.size(); ++n)
+  {
+    Join& join = result.joins[n];
+    const Join::Side& side = join.sides[0];
+    const unsigned char* rules = options.rules.empty() ? nullptr : options.rules[side.block];
+    join.crease = taggedCrease(join, volumes[side.block], rules) || isSharp(join, options.creaseAngle);
+    crease[shared.blocks[side.block].edges[side.edge]] = join.crease;
+  }
+  for (std::size_t n = 0; n < interfaces.size(); ++n)
+  {
+    describeInterface(shared, crease, result.joins[n]);
+  }
+  measureJoins(volumes, options, result.joins, 0, interfaces.size(), done, total, run);
 
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
@@ -1239,14 +1253,7 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
   for (Join& join : result.joins)
   {
     join.continuity = continuityOf(join, gapTolerance, options.tolerance);
-    if (join.border())
-    {
-      const int block = join.sides[0].block;
-      const unsigned char* rules = options.rules.empty() ? nullptr : options.rules[block];
-      join.crease = taggedCrease(join, volumes[block], rules) || isSharp(join, options.creaseAngle);
-    }
   }
-  markCreases(shared, result.joins);
   result.curves = extraordinaryCurves(shared, result.joins);
 
   result.ranking.resize(result.joins.size());

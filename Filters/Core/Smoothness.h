@@ -14,18 +14,21 @@
 /// all taken from inside the block and with respect to the knots' own parameters. Knots are data: a block whose knots
 /// across the join are spaced twice as wide as its neighbour's has derivatives half as large, and this is a jump. Then
 ///
-/// | jump       | is | unit |
-/// |------------|----|------|
-/// | `Gap`      | |x_A - x_B| | length |
-/// | `NormalS`  | angle between s_A x n_A and -s_B x n_B, the normals of the layers (surfaces t = const) on both sides
-/// | degrees | | `NormalT`  | the same with t: layers s = const | degrees | | `Kink`     | angle between n_A and -n_B:
-/// of the curves that cross | degrees | | `C1`       | |n_A + n_B| / max(|n_A|, |n_B|) | 1 | | `C2`       | h |n2_A -
-/// n2_B| / max(|n_A|, |n_B|) | 1 |
+/// - Gap: |x_A - x_B|, a length;
+/// - NormalS: the angle, in degrees, between s_A x n_A and -s_B x n_B, the normals of the layers through s (surfaces
+///   t = const) on both sides;
+/// - NormalT: the same with t, for the layers s = const;
+/// - Layer: the normal jump that counts, in degrees: the larger of NormalS and NormalT, but without a family that is
+///   bound to kink because an extraordinary edge or a crease of the join runs along its layers (they turn there by
+///   |180 - 720 / n| degrees if n blocks meet evenly). If this is so for both families the smaller one counts;
+/// - Kink: the angle, in degrees, between n_A and -n_B, the curves that cross;
+/// - C1: |n_A + n_B| / max(|n_A|, |n_B|);
+/// - C2: h |n2_A - n2_B| / max(|n_A|, |n_B|), where h is the shorter of the two knot spans at the join.
 ///
-/// where h is the shorter of the two knot spans at the join. So C2 is the part of the first derivative by which the two
-/// sides would drift apart over one span: it depends neither on the unit of length nor on a common factor of the knots,
-/// and stays finite where nothing is curved, as a ratio of second derivatives would not.
-/// An angle with a vector that vanishes up to rounding, as at poles, is 0; so are C1 and C2 where both n vanish.
+/// So C2 is the part of the first derivative by which the two sides drift apart over one span: it depends neither on
+/// the unit of length nor on a common factor of the knots, and stays finite where nothing is curved, as a ratio of
+/// second derivatives would not. An angle with a vector that vanishes up to rounding, as at poles, is 0; so are C1 and
+/// C2 where both n vanish.
 ///
 /// The two normal jumps are kept apart because they mean different things: a join with n_B = -(a n_A + b s) is G1 for
 /// the layers through s (NormalS is 0, whatever a and b) and kinks those through t. At an extraordinary edge along t
@@ -47,19 +50,20 @@ enum class JumpKind
   Gap,
   NormalS,
   NormalT,
+  Layer,
   Kink,
   C1,
   C2
 };
-constexpr int JumpKinds = 6;
+constexpr int JumpKinds = 7;
 using Jumps = std::array<double, JumpKinds>;
 
 /// How far a join is smooth. Lower is worse.
 enum class Continuity
 {
   Open, ///< the sides have a gap
-  C0,   ///< both families of layers kink (on a wall border: the wall does)
-  G1,   ///< the layers through s, or those through t, have no kink anywhere
+  C0,   ///< layers kink that need not (on a wall border: the wall does)
+  G1,   ///< NormalS, NormalT or Layer is 0 all along
   C1,   ///< the first derivatives agree
   C2    ///< so do the second ones
 };
@@ -117,12 +121,13 @@ struct Join
   Continuity continuity = Continuity::C2;
   /// A wall border that is meant to be sharp: it counts in no total and is ranked last.
   bool crease = false;
-  /// An interface that ends at a crease: its layers must kink there, and fade into the volume.
+  /// An interface that ends at a crease.
   bool atCrease = false;
-  /// NormalS or NormalT, whose maximum is larger.
-  JumpKind worstNormal() const;
-  /// The jump that keeps the join from being smoother, by which joins of the same continuity are ranked: the gap, the
-  /// worst normal jump, C1 (for G1), or C2 (for C1 and C2).
+  /// Whether the layers through s, or t, are bound to kink: an extraordinary edge or a crease of the interface runs
+  /// along them.
+  std::array<bool, 2> boundToKink{ false, false };
+  /// The jump that keeps the join from being smoother, by which joins of the same continuity are ranked: Gap,
+  /// Layer (for C0), C1 (for G1), or C2 (for C1 and C2).
   JumpKind rankedBy() const;
 
   /// Blocks around the four edges of an interface at s = 0, s = end, t = 0, t = end; negative on the outer boundary.

@@ -11,8 +11,8 @@ from bsv_support import (simple, vtk, blocks, client, collection, demo_mesh, fie
 
 DEMO = simple.CatmullClarkToBSplineVolume(Input=demo_mesh(8), UseCreaseAngle=1)
 ORDER = ("open", "C0", "G1", "C1", "C2")
-POINT_ARRAYS = {"Gap": 1, "NormalJump": 2, "WorstNormalJump": 1, "Kink": 1, "C1Jump": 1, "C2Jump": 1}
-MEASURES = ("Gap", "NormalJump", "Kink", "C1Jump", "C2Jump")
+POINT_ARRAYS = {"Gap": 1, "NormalJump": 2, "WorstNormalJump": 1, "LayerJump": 1, "Kink": 1, "C1Jump": 1, "C2Jump": 1}
+MEASURES = ("Gap", "NormalJump", "LayerJump", "Kink", "C1Jump", "C2Jump")
 
 
 def add_field(data, name, numbers, integer=False):
@@ -57,7 +57,7 @@ def total(proxy, name):
 
 def severity(row):
     """What rows of the same continuity are sorted by, from the documentation."""
-    name = {"open": "Gap", "C0": "NormalJump", "G1": "C1Jump", "C1": "C2Jump", "C2": "C2Jump"}[row["Continuity"]]
+    name = {"open": "Gap", "C0": "LayerJump", "G1": "C1Jump", "C1": "C2Jump", "C2": "C2Jump"}[row["Continuity"]]
     assert row["RankedBy"] == name
     return row["Maximum" + name]
 
@@ -107,6 +107,7 @@ def test_converted_mesh():
     for row in rows:
         assert row["NameA"] == block_names[int(row["BlockA"])] and row["NameB"] == block_names[int(row["BlockB"])]
         assert row["MaximumNormalJump"] == max(row["MaximumNormalJumpS"], row["MaximumNormalJumpT"])
+        assert row["MaximumLayerJump"] <= row["MaximumNormalJump"]
         assert (row["EdgeA"] < 0) == (row["Kind"] == "interface")
     # The rim of the body is sharp by about a right angle, and meant to be.
     assert all(row["MaximumNormalJump"] > 30 for row in rows if row["Kind"] == "crease")
@@ -228,7 +229,7 @@ def test_errors():
     twice.InsertNextTuple((0, 1, 1, 0) + (0,) * 8)
     broken.GetFieldData().AddArray(twice)
     text = failure(smoothness(broken))
-    assert "block 0 'block 0' face 1 and block 1 'block 1' face 0 are not finite" in text, text
+    assert "block 1 'block 1'" in text and "are not finite" in text, text
     good = bent(0)
     twice.InsertNextTuple((0, 1, 1, 0) + (0,) * 8)
     good.GetFieldData().AddArray(twice)
