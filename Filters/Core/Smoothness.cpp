@@ -426,12 +426,14 @@ Jumps jumpsOf(const SideValues& a, const SideValues& b, double length, const std
 }
 
 /// Follows f over the unit square from a sample to a local maximum: the largest of 3 x 3 points and of the quadratic
-/// through them becomes the middle of the next, smaller 3 x 3. The step starts at that of the samples.
+/// through them becomes the middle of the next, smaller 3 x 3, as long as this gains something. The step starts at that
+/// of the samples.
 template <typename Function>
 void climb(const Function& f, double step, double& x, double& y, double& best)
 {
-  constexpr int Rounds = 9;
-  constexpr double Shrink = 0.3;
+  constexpr int Rounds = 12;
+  constexpr double Shrink = 0.2;
+  constexpr double Fine = 1e-2;
   const auto offer = [&](double u, double v) {
     const double value = f(u, v);
     if (value > best)
@@ -448,9 +450,10 @@ void climb(const Function& f, double step, double& x, double& y, double& best)
     const double slope = 0.5 * (high - low);
     return curvature < 0.0 ? std::min(std::max(-slope / curvature, -1.0), 1.0) : slope > 0.0 ? 1.0 : -1.0;
   };
-  for (int round = 0; round < Rounds; ++round, step *= Shrink)
+  for (int round = 0; round < Rounds; ++round)
   {
     step = std::min(step, 0.5);
+    const double before = best;
     const double cx = std::min(std::max(x, step), 1.0 - step);
     const double cy = std::min(std::max(y, step), 1.0 - step);
     double v[3][3];
@@ -486,7 +489,25 @@ void climb(const Function& f, double step, double& x, double& y, double& best)
       tryOffset(vertex(v[side][0], v[side][1], v[side][2]), side - 1);
       tryOffset(side - 1, vertex(v[0][side], v[1][side], v[2][side]));
     }
+    if (best == before && step < Fine)
+    {
+      return;
+    }
+    // A maximum on the border of the 3 x 3 may lie beyond it.
+    const auto outside = [step](double u, double centre) {
+      return u > 0.0 && u < 1.0 && std::abs(u - centre) >= (1.0 - Fine) * step;
+    };
+    step *= outside(x, cx) || outside(y, cy) ? 1.0 : Shrink;
   }
+}
+
+/// By how much the parabola through three equally spaced values rises between them above the largest.
+double rise(double low, double middle, double high)
+{
+  const double curvature = low + high - 2.0 * middle;
+  const double slope = 0.5 * (high - low);
+  return std::abs(slope) < -curvature ? middle - 0.5 * slope * slope / curvature - std::max({ low, middle, high })
+                                      : 0.0;
 }
 
 //------------------------------------------------------------------------------
@@ -574,8 +595,12 @@ public:
   {
     for (int kind = 0; kind < JumpKinds; ++kind)
     {
-      this->findMaximum(kind);
+      if (kind != static_cast<int>(JumpKind::Layer) || (this->BoundToKink[0] && this->BoundToKink[1]))
+      {
+        this->findMaximum(kind);
+      }
     }
+    this->takeLayerMaximum();
     // The memory is needed for the next ones.
     this->Traces = {};
     this->Cells = {};
@@ -766,12 +791,68 @@ private:
     return jumpsOf(a, b, this->Length, this->BoundToKink);
   }
 
+  /// Best sample of a cell.
   struct Best
   {
     double value;
+    double hope; ///< what parabolas through the samples promise, generously
     std::array<int, 2> cell;
     double x, y;
   };
+
+  Best bestSample(const std::vector<double>& values, const std::array<int, 2>& cell) const
+  {
+    const auto at = [&](int i, int j) {
+      return values[this->inA(this->Result.samples, cell[0] * this->Parts + i, cell[1] * this->Parts + j)];
+    };
+    const std::array<int, 2> last{ this->trivial(0) ? 0 : this->Parts, this->trivial(1) ? 0 : this->Parts };
+    int bi = 0;
+    int bj = 0;
+    for (int j = 0; j <= last[1]; ++j)
+    {
+      for (int i = 0; i <= last[0]; ++i)
+      {
+        if (at(i, j) > at(bi, bj))
+        {
+          bi = i;
+          bj = j;
+        }
+      }
+    }
+    Best best{ at(bi, bj), 0.0, cell, double(bi) / this->Parts, double(bj) / this->Parts };
+    constexpr double Generous = 2.0;
+    best.hope = best.value;
+    if (this->Parts < 2)
+    {
+      best.hope = std::numeric_limits<double>::infinity();
+      return best;
+    }
+    const int i = std::min(std::max(bi - 1, 0), this->Parts - 2);
+    const int j = std::min(std::max(bj - 1, 0), this->Parts - 2);
+    best.hope += last[0] > 0 ? Generous * rise(at(i, bj), at(i + 1, bj), at(i + 2, bj)) : 0.0;
+    best.hope += last[1] > 0 ? Generous * rise(at(bi, j), at(bi, j + 1), at(bi, j + 2)) : 0.0;
+    return best;
+  }
+
+  /// Layer is one of the normal jumps, or the larger one.
+  void takeLayerMaximum()
+  {
+    const int s = static_cast<int>(JumpKind::NormalS);
+    const int t = static_cast<int>(JumpKind::NormalT);
+    const int layer = static_cast<int>(JumpKind::Layer);
+    const std::array<bool, 2>& bound = this->Result.boundToKink;
+    if (bound[0] && bound[1])
+    {
+      return;
+    }
+    auto& worst = this->Result.worst;
+    auto& maxima = this->Result.spanMaxima;
+    worst[layer] = bound[0] || (!bound[1] && worst[t].value > worst[s].value) ? worst[t] : worst[s];
+    for (std::size_t n = 0; n < maxima[layer].size(); ++n)
+    {
+      maxima[layer][n] = std::max(bound[0] ? 0.0 : maxima[s][n], bound[1] ? 0.0 : maxima[t][n]);
+    }
+  }
 
   void findMaximum(int kind)
   {
@@ -783,20 +864,7 @@ private:
     {
       for (int ci = 0; ci < cells[0]; ++ci)
       {
-        Best here{ -1.0, { ci, cj }, 0.0, 0.0 };
-        for (int j = 0; j <= (this->trivial(1) ? 0 : this->Parts); ++j)
-        {
-          for (int i = 0; i <= (this->trivial(0) ? 0 : this->Parts); ++i)
-          {
-            const double value = values[this->inA(this->Result.samples, ci * this->Parts + i, cj * this->Parts + j)];
-            if (value > here.value)
-            {
-              here.value = value;
-              here.x = double(i) / this->Parts;
-              here.y = double(j) / this->Parts;
-            }
-          }
-        }
+        const Best here = this->bestSample(values, { ci, cj });
         maxima[this->inA(this->Result.spans, ci, cj)] = here.value;
         best.push_back(here);
       }
@@ -812,7 +880,7 @@ private:
     for (std::size_t n = 0; n < some && highest > 0.0 && best[n].value >= Close * highest; ++n)
     {
       Best here = best[n];
-      if (this->worthClimbing(kind, highest))
+      if (here.hope >= winner.value && this->worthClimbing(kind, highest))
       {
         const auto f = [&](double x, double y) {
           const Station s = this->station(0, here.cell[0], x, 1.0 - x);
