@@ -369,6 +369,97 @@ std::vector<Box> boxes(const std::array<WeightTable, 3>& tables)
   return result;
 }
 
+void samplePolynomial(
+  const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
+{
+  std::array<WeightTable, 3> tables;
+  for (int d = 0; d < 3; ++d)
+  {
+    tables[d] = weightTable(volume.degree[d], volume.knots[d], level, derivative[d]);
+  }
+  const std::array<int, 3> inside = directionOrder(volume);
+  const std::vector<Box> all = boxes(tables);
+
+  // Progress can be told, and an abort noticed, only between parallel loops.
+  const Index total = static_cast<Index>(all.size());
+  const Index batch = 512;
+  for (Index start = 0; start < total; start += batch)
+  {
+    run.report(static_cast<double>(start) / total);
+    run.parallelFor(std::min(batch, total - start), 4, [&](Index begin, Index end) {
+      BoxSampler sampler(volume, tables, inside, samples);
+      for (Index i = begin; i < end; ++i)
+      {
+        sampler(all[start + i]);
+      }
+    });
+  }
+  run.report(1.0);
+}
+
+/// Quotient rule on the samples of the numerator and of the denominator.
+void sampleRational(
+  const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
+{
+  const Index points = Index(volume.count(0)) * volume.count(1) * volume.count(2);
+  std::vector<double> numeratorNet(3 * points);
+  std::vector<double> denominatorNet(3 * points);
+  for (Index i = 0; i < 3 * points; ++i)
+  {
+    denominatorNet[i] = volume.weights[i / 3];
+    numeratorNet[i] = volume.weights[i / 3] * volume.points[i];
+  }
+  BSplineVolume numerator = volume;
+  numerator.weights = nullptr;
+  numerator.points = numeratorNet.data();
+  BSplineVolume denominator = numerator;
+  denominator.points = denominatorNet.data();
+
+  std::vector<std::array<int, 3>> lower; // ascending: each after those that it needs
+  for (int c = 0; c <= derivative[2]; ++c)
+  {
+    for (int b = 0; b <= derivative[1]; ++b)
+    {
+      for (int a = 0; a <= derivative[0]; ++a)
+      {
+        lower.push_back({ a, b, c });
+      }
+    }
+  }
+  const std::array<int, 3> counts = sampleCounts(volume, level, "volume");
+  const Index size = 3 * Index(counts[0]) * counts[1] * counts[2];
+  std::vector<std::vector<double>> values(lower.size());
+  std::vector<std::vector<double>> weights(lower.size());
+  for (std::size_t n = 0; n < lower.size(); ++n)
+  {
+    Execution part = run;
+    part.progress = [&](double fraction) { return run.progress((n + fraction) / lower.size()); };
+    values[n].resize(size);
+    weights[n].resize(size);
+    samplePolynomial(numerator, level, lower[n], values[n].data(), part);
+    samplePolynomial(denominator, level, lower[n], weights[n].data(), part);
+    for (std::size_t m = 1; m <= n; ++m)
+    {
+      // With orders 0 and 1 all binomial coefficients are 1.
+      const std::array<int, 3> rest{ lower[n][0] - lower[m][0], lower[n][1] - lower[m][1], lower[n][2] - lower[m][2] };
+      const auto found = std::find(lower.begin(), lower.end(), rest);
+      if (found != lower.end())
+      {
+        const std::vector<double>& other = values[found - lower.begin()];
+        for (Index i = 0; i < size; ++i)
+        {
+          values[n][i] -= weights[m][i] * other[i];
+        }
+      }
+    }
+    for (Index i = 0; i < size; ++i)
+    {
+      values[n][i] /= weights[0][i];
+    }
+  }
+  std::copy(values.back().begin(), values.back().end(), samples);
+}
+
 } // namespace
 
 std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const std::string& name)
@@ -414,33 +505,21 @@ std::vector<double> sampleParameters(const BSplineVolume& volume, int direction,
 void sample(
   const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
 {
-  std::array<WeightTable, 3> tables;
-  for (int d = 0; d < 3; ++d)
+  for (const int order : derivative)
   {
-    if (derivative[d] < 0 || derivative[d] > 1)
+    if (order < 0 || order > 1)
     {
-      throw Error("samples of derivative order " + std::to_string(derivative[d]) + " are not available, only 0 and 1");
+      throw Error("samples of derivative order " + std::to_string(order) + " are not available, only 0 and 1");
     }
-    tables[d] = weightTable(volume.degree[d], volume.knots[d], level, derivative[d]);
   }
-  const std::array<int, 3> inside = directionOrder(volume);
-  const std::vector<Box> all = boxes(tables);
-
-  // Progress can be told, and an abort noticed, only between parallel loops.
-  const Index total = static_cast<Index>(all.size());
-  const Index batch = 512;
-  for (Index start = 0; start < total; start += batch)
+  if (volume.weights)
   {
-    run.report(static_cast<double>(start) / total);
-    run.parallelFor(std::min(batch, total - start), 4, [&](Index begin, Index end) {
-      BoxSampler sampler(volume, tables, inside, samples);
-      for (Index i = begin; i < end; ++i)
-      {
-        sampler(all[start + i]);
-      }
-    });
+    sampleRational(volume, level, derivative, samples, run);
   }
-  run.report(1.0);
+  else
+  {
+    samplePolynomial(volume, level, derivative, samples, run);
+  }
 }
 
 } // namespace bsv

@@ -20,11 +20,12 @@ using bsv::Ijk;
 using bsv::Index;
 using bsv::Interface;
 
-/// A block that owns its points.
+/// A block that owns its points, and its weights if it is rational.
 struct Block
 {
   BSplineVolume volume;
   std::vector<double> points;
+  std::vector<double> weights;
 
   Ijk counts() const { return { volume.count(0), volume.count(1), volume.count(2) }; }
   Index at(const Ijk& i) const { return i[0] + Index(volume.count(0)) * (i[1] + Index(volume.count(1)) * i[2]); }
@@ -32,6 +33,7 @@ struct Block
   {
     BSplineVolume result = volume;
     result.points = points.data();
+    result.weights = weights.empty() ? nullptr : weights.data();
     return result;
   }
 };
