@@ -77,6 +77,9 @@ vtkSmartPointer<Array> cellArray(const char* name, int components, vtkIdType cel
   return array;
 }
 
+/// Offset, degrees, ids of block, span and face, type.
+constexpr double BytesPerCell = 8 + 24 + 4 + 12 + 4 + 1;
+
 void checkMemory(const std::vector<Patch>& patches, const bsv::BSplineVolumeBlocks& input)
 {
   double bytes = 0.0;
@@ -89,7 +92,7 @@ void checkMemory(const std::vector<Patch>& patches, const bsv::BSplineVolumeBloc
     }
     const double cells = static_cast<double>(patch.spans[0]) * patch.spans[1] * patch.spans[2];
     bytes += points * (input.firstRational() < 0 ? 3 : 4) * sizeof(double) +
-      cells * (patch.cellPoints() * sizeof(vtkTypeInt64) + 60.0);
+      cells * (patch.cellPoints() * sizeof(vtkTypeInt64) + BytesPerCell);
   }
   bsv::requireMemory(bytes, "the volume", "its Bezier cells");
 }

@@ -7,8 +7,8 @@
  * the same polynomial or rational, not an approximation. Or only faces are written, as VTK_BEZIER_QUADRILATERAL. Points
  * are shared between the cells of a block and between blocks, so that the grid is connected: a viewer then draws the
  * outer skin only. Blocks share the points of a face that the input's array `Interfaces` declares, or, without that
- * array, of faces that are equal bit for bit; points that are further apart than rounding stay apart. They have the same
- * bits whichever block they are computed from.
+ * array, of faces that are equal; points further apart than rounding (1e-14 of the largest coordinate) stay apart, so
+ * that a gap is seen.
  *
  * ParaView draws the cells as flat quadrilaterals unless the display property "Nonlinear Subdivision Level" is raised.
  *

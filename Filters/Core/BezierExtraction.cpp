@@ -105,6 +105,7 @@ BezierExtraction::BezierExtraction(const std::vector<BSplineVolume>& volumes, co
     }
     this->Tables.push_back(std::move(tables));
     this->Spans.push_back(spans);
+    this->Tolerances.push_back(WeldTolerance * largestCoordinate(volume));
   }
   this->evaluateSurfaces(run);
   this->number(interfaces ? *interfaces : this->coincidentFaces(), cells);
@@ -123,6 +124,16 @@ Index BezierExtraction::point(int block, const Ijk& p) const
   return this->InsideStart.empty()
     ? -1
     : this->InsideStart[block] + (p[0] - 1) + Index(n[0] - 2) * ((p[1] - 1) + Index(n[1] - 2) * (p[2] - 1));
+}
+
+Ijk BezierExtraction::cornerOf(int block, int corner) const
+{
+  Ijk p;
+  for (int d = 0; d < 3; ++d)
+  {
+    p[d] = cornerSide(corner, d) ? this->Counts[block][d] - 1 : 0;
+  }
+  return p;
 }
 
 /// Number of the Bezier point (s, t) of a face before any are shared.
@@ -205,63 +216,101 @@ bool BezierExtraction::faceCountsFit(const Interface& contact) const
   return true;
 }
 
-/// Pairs of faces with equal values in some orientation. Each face is in at most one of them.
-std::vector<Interface> BezierExtraction::coincidentFaces() const
+/// Whether two surface points, of blocks A and B, are equal up to rounding.
+bool BezierExtraction::equal(Index a, int blockA, Index b, int blockB) const
 {
   const int size = this->Rational ? 4 : 3;
-  using Corner = std::array<double, 4>;
-  std::map<std::array<Corner, 4>, std::vector<BlockFace>> waiting;
+  const double* x = this->SurfaceValues.data() + size * a;
+  const double* y = this->SurfaceValues.data() + size * b;
+  const double tolerance = std::max(this->Tolerances[blockA], this->Tolerances[blockB]);
+  for (int c = 0; c < 3; ++c)
+  {
+    if (!(std::abs(x[c] - y[c]) <= tolerance))
+    {
+      return false;
+    }
+  }
+  return size == 3 || std::abs(x[3] - y[3]) <= WeldTolerance * std::max(x[3], y[3]);
+}
+
+/// Pairs of faces that are equal up to rounding in some orientation. Each face is in at most one of them.
+std::vector<Interface> BezierExtraction::coincidentFaces() const
+{
+  // Equal corners are found by a sweep along a direction in which hardly any others have the same place.
+  struct Corner
+  {
+    double place;
+    Index point;
+    int block;
+  };
+  const Vec3 sweep(0.577, 0.617, 0.535);
+  const int size = this->Rational ? 4 : 3;
+  const int blocks = static_cast<int>(this->Volumes.size());
+  std::vector<Corner> corners;
+  for (int b = 0; b < blocks; ++b)
+  {
+    for (int c = 0; c < 8; ++c)
+    {
+      const Index point = this->Surface.point(b, this->cornerOf(b, c));
+      const double place = sweep.dot(Eigen::Map<const Vec3>(this->SurfaceValues.data() + size * point));
+      if (std::isfinite(place))
+      {
+        corners.push_back({ place, point, b });
+      }
+    }
+  }
+  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
+    return a.place < b.place || (a.place == b.place && a.point < b.point);
+  });
+  const double window =
+    this->Tolerances.empty() ? 0.0 : 4.0 * *std::max_element(this->Tolerances.begin(), this->Tolerances.end());
+  UnionFind groups(static_cast<Index>(corners.size()));
+  std::map<Index, Index> groupOf; // of a surface point
+  for (std::size_t i = 0; i < corners.size(); ++i)
+  {
+    groupOf[corners[i].point] = static_cast<Index>(i);
+    for (std::size_t j = i + 1; j < corners.size() && corners[j].place - corners[i].place <= window; ++j)
+    {
+      if (this->equal(corners[i].point, corners[i].block, corners[j].point, corners[j].block))
+      {
+        groups.unite(static_cast<Index>(i), static_cast<Index>(j));
+      }
+    }
+  }
+
+  std::map<std::array<Index, 4>, std::vector<BlockFace>> waiting;
   std::vector<Interface> contacts;
-  for (int b = 0; b < static_cast<int>(this->Volumes.size()); ++b)
+  for (int b = 0; b < blocks; ++b)
   {
     for (int f = 0; f < 6; ++f)
     {
-      const int ns = this->Counts[b][faceAxis(f, 0)] - 1;
-      const int nt = this->Counts[b][faceAxis(f, 1)] - 1;
-      std::array<Corner, 4> corners{};
-      bool finite = true;
+      std::array<Index, 4> key{};
+      bool known = true;
       for (int c = 0; c < 4; ++c)
       {
-        const Index point = this->surfacePoint({ b, f }, c & 1 ? ns : 0, c & 2 ? nt : 0);
-        std::copy_n(this->SurfaceValues.data() + size * point, size, corners[c].data());
-        finite = finite && std::all_of(corners[c].begin(), corners[c].end(), [](double x) { return std::isfinite(x); });
+        const auto found = groupOf.find(this->Surface.point(b, this->cornerOf(b, faceCorner(f, c & 1, c >> 1))));
+        known = known && found != groupOf.end();
+        key[c] = known ? groups.find(found->second) : 0;
       }
-      if (!finite)
+      if (!known)
       {
         continue;
       }
-      std::sort(corners.begin(), corners.end());
-      std::vector<BlockFace>& candidates = waiting[corners];
+      std::sort(key.begin(), key.end());
+      std::vector<BlockFace>& candidates = waiting[key];
       Interface contact;
-      const auto coincides = [&](const BlockFace& other) {
+      const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const BlockFace& other) {
         contact = {};
         contact.blockA = other.block;
         contact.faceA = other.face;
         contact.blockB = b;
         contact.faceB = f;
-        for (contact.orientation = 0; contact.orientation < 8; ++contact.orientation)
+        while (contact.orientation < 8 && !this->coincide(contact))
         {
-          bool equal = this->faceCountsFit(contact);
-          const int ms = this->Counts[other.block][faceAxis(other.face, 0)] - 1;
-          const int mt = this->Counts[other.block][faceAxis(other.face, 1)] - 1;
-          for (int t = 0; equal && t <= mt; ++t)
-          {
-            for (int s = 0; equal && s <= ms; ++s)
-            {
-              const std::array<int, 2> m = mapFacePoint(contact.orientation, s, t, ms, mt);
-              const double* x = this->SurfaceValues.data() + size * this->surfacePoint(other, s, t);
-              equal =
-                std::equal(x, x + size, this->SurfaceValues.data() + size * this->surfacePoint({ b, f }, m[0], m[1]));
-            }
-          }
-          if (equal)
-          {
-            return true;
-          }
+          ++contact.orientation;
         }
-        return false;
-      };
-      const auto found = std::find_if(candidates.begin(), candidates.end(), coincides);
+        return contact.orientation < 8;
+      });
       if (found == candidates.end())
       {
         candidates.push_back({ b, f });
@@ -276,44 +325,55 @@ std::vector<Interface> BezierExtraction::coincidentFaces() const
   return contacts;
 }
 
+/// Calls visit(a, b) with the pairs of surface points that a contact brings together, until it returns false.
+template <typename Visitor>
+void BezierExtraction::overContact(const Interface& contact, Visitor&& visit) const
+{
+  const int ns = this->Counts[contact.blockA][faceAxis(contact.faceA, 0)] - 1;
+  const int nt = this->Counts[contact.blockA][faceAxis(contact.faceA, 1)] - 1;
+  for (int t = 0; t <= nt; ++t)
+  {
+    for (int s = 0; s <= ns; ++s)
+    {
+      const std::array<int, 2> m = mapFacePoint(contact.orientation, s, t, ns, nt);
+      if (!visit(this->surfacePoint({ contact.blockA, contact.faceA }, s, t),
+            this->surfacePoint({ contact.blockB, contact.faceB }, m[0], m[1])))
+      {
+        return;
+      }
+    }
+  }
+}
+
+bool BezierExtraction::coincide(const Interface& contact) const
+{
+  bool same = this->faceCountsFit(contact);
+  if (same)
+  {
+    this->overContact(contact, [&](Index a, Index b) {
+      same = this->equal(a, contact.blockA, b, contact.blockB);
+      return same;
+    });
+  }
+  return same;
+}
+
 void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCells cells)
 {
   const int size = this->Rational ? 4 : 3;
   const Index surfacePoints = this->Surface.pointCount();
-  std::vector<double> tolerances;
-  for (const BSplineVolume& volume : this->Volumes)
-  {
-    tolerances.push_back(WeldTolerance * largestCoordinate(volume));
-  }
   UnionFind groups(surfacePoints);
   for (const Interface& contact : contacts)
   {
-    if (!this->faceCountsFit(contact))
+    if (this->faceCountsFit(contact))
     {
-      continue;
-    }
-    const double tolerance = std::max(tolerances[contact.blockA], tolerances[contact.blockB]);
-    const int ns = this->Counts[contact.blockA][faceAxis(contact.faceA, 0)] - 1;
-    const int nt = this->Counts[contact.blockA][faceAxis(contact.faceA, 1)] - 1;
-    for (int t = 0; t <= nt; ++t)
-    {
-      for (int s = 0; s <= ns; ++s)
-      {
-        const std::array<int, 2> m = mapFacePoint(contact.orientation, s, t, ns, nt);
-        const Index a = this->surfacePoint({ contact.blockA, contact.faceA }, s, t);
-        const Index b = this->surfacePoint({ contact.blockB, contact.faceB }, m[0], m[1]);
-        const double* x = this->SurfaceValues.data() + size * a;
-        const double* y = this->SurfaceValues.data() + size * b;
-        bool near = size == 3 || std::abs(x[3] - y[3]) <= WeldTolerance * std::max(x[3], y[3]);
-        for (int c = 0; c < 3; ++c)
-        {
-          near = near && std::abs(x[c] - y[c]) <= tolerance;
-        }
-        if (near)
+      this->overContact(contact, [&](Index a, Index b) {
+        if (this->equal(a, contact.blockA, b, contact.blockB))
         {
           groups.unite(a, b);
         }
-      }
+        return true;
+      });
     }
   }
   // Of values that differ by rounding the smallest is taken: no order of blocks decides.

@@ -40,8 +40,8 @@ class BezierExtraction
 public:
   /// @param volumes must have passed checkBSplineVolume(); they, and what they view, must outlive the extraction.
   /// @param interfaces contacts of whole faces, ranges not used; if null, faces whose Bezier points are equal in some
-  ///   orientation count as contacts. Points of a contact are shared unless they are further apart than 1e-14 of the
-  ///   block's largest coordinate or the faces have unequal numbers of them: a gap stays a gap.
+  ///   orientation count as contacts. Points of a contact are shared if they are equal, and the faces have equal
+  ///   numbers of them: a gap stays a gap. Equal means: up to 1e-14 of the largest coordinate, and of the weight.
   /// @throws Error, Aborted
   BezierExtraction(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>* interfaces,
     BezierCells cells, const Execution& run = {});
@@ -69,7 +69,12 @@ private:
   Index surfacePoint(const BlockFace& at, int s, int t) const;
   void evaluateBox(int block, const std::array<WeightTable, 3>& tables, double* homogeneous, const Execution& run) const;
   void evaluateSurfaces(const Execution& run);
+  Ijk cornerOf(int block, int corner) const;
+  bool equal(Index a, int blockA, Index b, int blockB) const;
   bool faceCountsFit(const Interface& contact) const;
+  template <typename Visitor>
+  void overContact(const Interface& contact, Visitor&& visit) const;
+  bool coincide(const Interface& contact) const;
   std::vector<Interface> coincidentFaces() const;
   void number(const std::vector<Interface>& contacts, BezierCells cells);
 
@@ -81,6 +86,7 @@ private:
   /// Bezier points on the surfaces of the blocks, before any are shared, and their numbers.
   SurfaceNumbering Surface;
   std::vector<double> SurfaceValues; ///< x, y, z and, if rational, the weight
+  std::vector<double> Tolerances;    ///< per block
   std::vector<Index> SurfaceNumbers;
   std::vector<BlockFace> Faces;
   std::vector<Index> InsideStart; ///< per block; empty unless cells are hexahedra

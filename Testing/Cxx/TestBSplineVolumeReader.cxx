@@ -158,7 +158,11 @@ std::string g2(const Block& block)
     {
       text << block.points[p + c] * weight << " ";
     }
-    text << (block.weights.empty() ? "" : std::to_string(weight)) << "\n";
+    if (!block.weights.empty())
+    {
+      text << weight;
+    }
+    text << "\n";
   }
   return text.str();
 }
@@ -672,7 +676,6 @@ TEST(BSplineVolumeReader, G2VolumesKeepTheirNumbers)
     {
       for (std::size_t p = 0; p < volumes.back().points.size(); p += 3)
       {
-        // Few digits: the text has all of them.
         volumes.back().weights.push_back(0.25 * (1 + random() % 12));
       }
     }
@@ -719,6 +722,32 @@ TEST(BSplineVolumeReader, WeightsOfOneMakeNoArray)
   const Reading other(file.name());
   EXPECT_NE(other.blocks().volumes[0].weights, nullptr);
   EXPECT_EQ(other.reader->GetNumberOfRationalBlocks(), 1);
+}
+
+// A quarter of a pipe with radii 1 and 2 and height 3 is round only with its weights.
+TEST(BSplineVolumeReader, RationalVolumesStayRational)
+{
+  Block block;
+  block.volume.degree = { 1, 2, 1 };
+  block.volume.knots = { clampedKnots(1, { 1 }), clampedKnots(2, { 1 }), clampedKnots(1, { 1 }) };
+  forEach(block.counts(), [&](const Ijk& i) {
+    const Vec3 x((1 + i[0]) * (i[1] < 2 ? 1.0 : 0.0), (1 + i[0]) * (i[1] > 0 ? 1.0 : 0.0), 3.0 * i[2]);
+    block.points.insert(block.points.end(), x.data(), x.data() + 3);
+    block.weights.push_back(i[1] == 1 ? std::sqrt(0.5) : 1.0);
+  });
+  const File file(g2(block));
+  const Reading reading(file.name());
+  ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+  EXPECT_EQ(reading.reader->GetNumberOfRationalBlocks(), 1);
+  const BSplineVolumeBlocks blocks = reading.blocks();
+  overFace([&](double s, double t) {
+    for (int side = 0; side < 2; ++side)
+    {
+      const Vec3 x = onFace(blocks.volumes[0], side, s, t);
+      ASSERT_NEAR(std::hypot(x[0], x[1]), 1.0 + side, 1e-15 * 4);
+    }
+  });
+  EXPECT_NEAR(totalVolume(blocks, 12), 0.25 * M_PI * 3.0 * 3.0, 1e-13);
 }
 
 TEST(BSplineVolumeReader, MFEMPatchesInAllOrientations)

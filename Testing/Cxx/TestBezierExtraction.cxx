@@ -374,6 +374,7 @@ TEST(BezierExtraction, RoundingIsWeldedAndAGapIsNot)
   EXPECT_EQ(count(0.0, true), welded);
   EXPECT_EQ(count(0.0, false), welded);
   EXPECT_EQ(count(4e-16, true), welded);
+  EXPECT_EQ(count(4e-16, false), welded);
   EXPECT_EQ(count(1e-9, true), welded + 49);
   EXPECT_EQ(count(1e-9, false), welded + 49);
 }

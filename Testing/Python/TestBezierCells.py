@@ -54,8 +54,8 @@ def evaluate(cell, pcoords):
     return x
 
 
-def worst_difference(cells, samples):
-    """Largest distance of VTK's evaluation of the cells from the samples, at all samples."""
+def worst_difference(cells, samples, volumes):
+    """Largest distance of VTK's evaluation of the cells from the samples of the volumes, at all samples."""
     parts, worst = 2 ** LEVEL, 0.0
     span_ids, block_ids = (values(cells.GetCellData().GetArray(name)) for name in ("SpanId", "BlockId"))
     faces = cells.GetCellData().GetArray("FaceId")
@@ -73,7 +73,7 @@ def worst_difference(cells, samples):
             # Outward: exchanged against the axes of the face on the sides j=J, i=0 and k=0.
             if face in (0, 3, 4):
                 free.reverse()
-        block_degree = field(client_blocks[int(block_ids[n])], "Degree")
+        block_degree = field(volumes[int(block_ids[n])], "Degree")
         assert list(degrees[n]) == [block_degree[d] for d in free] + [0] * len(fixed)
         steps = [range(parts + 1)] * len(free) + [[0]] * (3 - len(free))
         for a in steps[0]:
@@ -96,14 +96,12 @@ def test_properties():
 
 def test_vtk_evaluates_the_volume():
     """All degrees, mixed; repeated knots, open ends, weights; hexahedra and quadrilaterals."""
-    global client_blocks
     rng = random.Random(1)
     for rational in (False, True):
         for cells in ("Volume", "All Faces"):
             degrees = [(p, 1 + (3 * p) % 8, 9 - p) for p in range(1, 9)] if cells != "Volume" else \
                 [(1, 3, 2), (2, 1, 4), (5, 1, 1), (3, 3, 3), (1, 8, 1), (2, 1, 7), (6, 2, 1)]
             data = collection([random_volume(rng, p, rational) for p in degrees])
-            client_blocks = blocks(data)
             source = producer(data)
             samples, _ = update(simple.BSplineVolumeSampler(Input=source, Level=LEVEL))
             found, _ = update(bezier(source, Cells=cells))
@@ -112,8 +110,7 @@ def test_vtk_evaluates_the_volume():
             assert bool(found.GetPointData().GetRationalWeights()) == rational
             assert coordinates(found).GetDataTypeAsString() == "double"
             # Coordinates lie in [-1, 1].
-            worst = worst_difference(found, samples)
-            print("rational" if rational else "polynomial", cells, worst)
+            worst = worst_difference(found, samples, blocks(data))
             assert worst < 1e-14
 
 
@@ -182,6 +179,27 @@ def test_faces_point_outwards():
         normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
         face = int(skin.GetCellData().GetArray("FaceId").GetTuple1(n))
         assert normal == [(2 * (face % 2) - 1 if c == face // 2 else 0) for c in range(3)], (face, normal)
+
+
+def test_rational_display():
+    """A quarter of a pipe with radii 1 and 2: what ParaView draws lies on circles."""
+    half = math.sqrt(0.5)
+    arc = ((1, 0, 1), (1, 1, half), (0, 1, 1))
+    lines = [" ".join(repr(w * c) for c in (r * x, r * y, z)) + " " + repr(w)
+             for z in (0.0, 1.0) for x, y, w in arc for r in (1.0, 2.0)]
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "pipe.g2")
+        with open(path, "w") as file:
+            file.write("700 1 0 0\n3 1\n2 2\n0 0 1 1\n3 3\n0 0 0 1 1 1\n2 2\n0 0 1 1\n" + "\n".join(lines))
+        reader = simple.BSplineVolumeReader(FileName=path)
+        for cells in ("Volume", "Outer Faces"):
+            surface, _ = update(simple.ExtractSurface(Input=bezier(reader, Cells=cells), NonlinearSubdivisionLevel=3))
+            assert surface.GetNumberOfPolys() > 6 * 4 ** 2
+            for n in range(surface.GetNumberOfPoints()):
+                x, y, z = surface.GetPoint(n)
+                radius = math.hypot(x, y)
+                # The surface has single precision.
+                assert min(abs(radius - 1), abs(radius - 2), abs(x), abs(y), z, 1 - z) < 1e-6, (x, y, z)
 
 
 def test_threads_do_not_matter():
