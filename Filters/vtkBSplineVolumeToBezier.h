@@ -27,8 +27,7 @@
  * An empty input gives an empty output. A block that is no B-spline volume, or more than this machine can hold, is an
  * error; the output is then empty.
  *
- * Source: M. J. Borden, M. A. Scott, J. A. Evans, T. J. R. Hughes, Isogeometric finite element data structures based on
- * Bezier extraction of NURBS, Int. J. Numer. Meth. Engng 87 (2011) 15-47, doi:10.1002/nme.2968.
+ * The method and its source: BezierExtraction.h.
  */
 #ifndef vtkBSplineVolumeToBezier_h
 #define vtkBSplineVolumeToBezier_h

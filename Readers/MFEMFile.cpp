@@ -32,10 +32,7 @@ struct KnotVector
   std::vector<double> knots;
 
   int count() const { return static_cast<int>(this->knots.size()) - this->degree - 1; }
-  bool operator==(const KnotVector& other) const
-  {
-    return this->degree == other.degree && this->knots == other.knots;
-  }
+  bool operator==(const KnotVector& other) const { return this->degree == other.degree && this->knots == other.knots; }
   KnotVector reversed() const
   {
     KnotVector result{ this->degree, {} };
@@ -484,8 +481,8 @@ private:
           {
             this->setKnots(b, d, std::move(knots));
           }
-          else if (!(knots == KnotVector{ this->Content.blocks[b].volume.degree[d],
-                                this->Content.blocks[b].volume.knots[d] }))
+          else if (!(knots ==
+                     KnotVector{ this->Content.blocks[b].volume.degree[d], this->Content.blocks[b].volume.knots[d] }))
           {
             this->In.fail("before this line: the edges of " + this->label(b) + " in direction " + std::to_string(d) +
               " have different knot vectors; one of them is from vertex " + std::to_string(ends[0]) + " to " +
@@ -589,8 +586,8 @@ private:
         {
           const Index fromS = origin[0] ? inside[ds] - 1 - s : s;
           const Index fromT = origin[1] ? inside[dt] - 1 - t : t;
-          result[start + (s + 1) * strides[ds] + (t + 1) * strides[dt]] = face.firstPoint +
-            (swapped ? fromT + face.firstAxisPoints * fromS : fromS + face.firstAxisPoints * fromT);
+          result[start + (s + 1) * strides[ds] + (t + 1) * strides[dt]] =
+            face.firstPoint + (swapped ? fromT + face.firstAxisPoints * fromS : fromS + face.firstAxisPoints * fromT);
         }
       }
     }
@@ -672,8 +669,8 @@ private:
       {
         if (collection != "NURBS" + std::to_string(degree))
         {
-          this->In.fail("the collection '" + collection + "' does not fit knot vectors of order " +
-            std::to_string(degree));
+          this->In.fail(
+            "the collection '" + collection + "' does not fit knot vectors of order " + std::to_string(degree));
         }
       }
     }

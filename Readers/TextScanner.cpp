@@ -69,7 +69,8 @@ std::string TextScanner::word(const char* what)
 
 std::string TextScanner::peek()
 {
-  return this->atEnd() ? std::string() : std::string(this->At, std::min<std::ptrdiff_t>(this->wordEnd() - this->At, 40));
+  return this->atEnd() ? std::string()
+                       : std::string(this->At, std::min<std::ptrdiff_t>(this->wordEnd() - this->At, 40));
 }
 
 int TextScanner::integer(const char* what, int low, int high)

@@ -9,8 +9,8 @@
  *   with knot vectors on the edges and control points numbered over the mesh (`knotvectors`). Other versions,
  *   non-conforming patches (`NC-patch mesh`), curves and surfaces are refused.
  *
- * Degrees are 1 to 8 and may differ between directions and blocks; knots are those of the file, inner ones repeated up to
- * `degree` times.
+ * Degrees are 1 to 8 and may differ between directions and blocks; knots are those of the file, inner ones repeated up
+ * to `degree` times.
  *
  * Output: a vtkPartitionedDataSetCollection with a flat assembly, one vtkStructuredGrid of control points in double
  * precision per volume (`Volume n`) or patch (`Patch n`), in the arrays of BSplineVolumeData.h: `Degree`, `KnotsU`,

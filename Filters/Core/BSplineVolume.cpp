@@ -70,8 +70,7 @@ Eigen::Vector4d homogeneous(const BSplineVolume& volume, const Vec3& uvw, const 
       {
         const double weight = volume.weights ? volume.weights[at] : 1.0;
         const double* point = volume.points + 3 * at;
-        row += basis[0].values[a] *
-          Eigen::Vector4d(weight * point[0], weight * point[1], weight * point[2], weight);
+        row += basis[0].values[a] * Eigen::Vector4d(weight * point[0], weight * point[1], weight * point[2], weight);
       }
       layer += basis[1].values[b] * row;
     }

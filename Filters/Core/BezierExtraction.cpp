@@ -259,9 +259,8 @@ std::vector<Interface> BezierExtraction::coincidentFaces() const
       }
     }
   }
-  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
-    return a.place < b.place || (a.place == b.place && a.point < b.point);
-  });
+  std::sort(corners.begin(), corners.end(),
+    [](const Corner& a, const Corner& b) { return a.place < b.place || (a.place == b.place && a.point < b.point); });
   const double window =
     this->Tolerances.empty() ? 0.0 : 4.0 * *std::max_element(this->Tolerances.begin(), this->Tolerances.end());
   UnionFind groups(static_cast<Index>(corners.size()));

@@ -35,6 +35,11 @@ struct BlockFace
   int face = 0;
 };
 
+/// Numbers the Bezier points of all blocks, shared ones once, and computes them. The points on the surfaces of the
+/// blocks are computed and kept from the start: whether they are shared depends on their values.
+///
+/// Source: M. J. Borden, M. A. Scott, J. A. Evans, T. J. R. Hughes, Isogeometric finite element data structures based
+/// on Bezier extraction of NURBS, Int. J. Numer. Meth. Engng 87 (2011) 15-47, doi:10.1002/nme.2968.
 class BezierExtraction
 {
 public:
@@ -67,7 +72,8 @@ public:
 
 private:
   Index surfacePoint(const BlockFace& at, int s, int t) const;
-  void evaluateBox(int block, const std::array<WeightTable, 3>& tables, double* homogeneous, const Execution& run) const;
+  void evaluateBox(
+    int block, const std::array<WeightTable, 3>& tables, double* homogeneous, const Execution& run) const;
   void evaluateSurfaces(const Execution& run);
   Ijk cornerOf(int block, int corner) const;
   bool equal(Index a, int blockA, Index b, int blockB) const;

@@ -146,8 +146,8 @@ std::array<int, 3> directionOrder(const ControlNet& net)
 class BoxPasses
 {
 public:
-  BoxPasses(const ControlNet& net, const std::array<WeightTable, 3>& tables, const std::array<int, 3>& inside,
-    double* results)
+  BoxPasses(
+    const ControlNet& net, const std::array<WeightTable, 3>& tables, const std::array<int, 3>& inside, double* results)
     : Net(net)
     , Tables(tables)
     , Inside(inside)
@@ -188,8 +188,7 @@ public:
     {
       for (Index j = box[1].begin; j < box[1].end; ++j, from += length)
       {
-        std::copy(
-          from, from + length, this->Results + this->Net.components * (box[0].begin + j * rows + k * layers));
+        std::copy(from, from + length, this->Results + this->Net.components * (box[0].begin + j * rows + k * layers));
       }
     }
   }

@@ -5,15 +5,16 @@
 ///
 /// The result is the same bits
 /// - on both sides of a face at which two blocks meet, in any of the eight orientations, if both have the same control
-///   points, and weight tables that mirror exactly, there and copy the face across (and so on shared edges and corners);
+///   points, and weight tables that mirror exactly, there and copy the face across (and so on shared edges and
+///   corners);
 /// - for any orientation of the block and for any Execution.
 ///
 /// How: (1) Terms are added from both ends of the window inwards, in pairs: reversing changes nothing. (2) What remains
-/// is which direction is summed first. On a face whose row copies it the weight across is exactly 1, so that only its own
-/// net enters; both orders are computed and their mean is taken, which is symmetric. On an edge there is only one order.
-/// Inside, the order of the directions follows from comparing the control nets, not from how the block happens to be
-/// stored; only a block folded onto itself (a net that an exchange of directions maps to itself) leaves that choice
-/// open.
+/// is which direction is summed first. On a face whose row copies it the weight across is exactly 1, so that only its
+/// own net enters; both orders are computed and their mean is taken, which is symmetric. On an edge there is only one
+/// order. Inside, the order of the directions follows from comparing the control nets, not from how the block happens
+/// to be stored; only a block folded onto itself (a net that an exchange of directions maps to itself) leaves that
+/// choice open.
 #pragma once
 
 #include "Types.h"

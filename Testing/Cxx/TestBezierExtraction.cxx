@@ -257,7 +257,8 @@ TEST(BezierExtraction, SharedFacesHaveTheSameBitsAndPointsInAllOrientations)
       outer += periodic[d] ? 0 : 2 * across;
       every += across * (faces[d] + (periodic[d] ? 0 : 1));
     }
-    for (const std::vector<Interface>* contacts : { &lattice.interfaces, static_cast<std::vector<Interface>*>(nullptr) })
+    for (const std::vector<Interface>* contacts :
+      { &lattice.interfaces, static_cast<std::vector<Interface>*>(nullptr) })
     {
       EXPECT_EQ(
         BezierExtraction(volumes, contacts, BezierCells::Volume).pointCount(), bezier[0] * bezier[1] * bezier[2]);
@@ -302,9 +303,8 @@ TEST(BezierExtraction, OrientationAndThreadsDoNotMatter)
       Block turned = reoriented(block, o);
       if (!block.weights.empty())
       {
-        forEach(turned.counts(), [&](const Ijk& i) {
-          turned.weights.push_back(block.weights[block.at(o.old(i, block.counts()))]);
-        });
+        forEach(turned.counts(),
+          [&](const Ijk& i) { turned.weights.push_back(block.weights[block.at(o.old(i, block.counts()))]); });
       }
       const std::vector<Block> blocks{ turned };
       const std::vector<BSplineVolume> volumes = views(blocks);
