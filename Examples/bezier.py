@@ -11,7 +11,7 @@ Level: 0 draws the corners only. Body and symmetry planes are picked from the qu
 from paraview import simple as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIdList
-from vtkmodules.vtkFiltersExtraction import vtkExtractCells
+from vtkmodules.vtkFiltersCore import vtkExtractCells
 
 from example_support import (body_patches, body_viewpoint, boundary_faces, bounds, convert, data, look, parser, producer,
                              read_mesh, save, show, views)
@@ -48,7 +48,7 @@ def main():
             if part:
                 show(cells_of(data(faces), part), view, color, Representation="Surface With Edges",
                      EdgeColor=[0.33, 0.38, 0.48], NonlinearSubdivisionLevel=level, Ambient=0.35, Diffuse=0.65)
-        look(view, bounds(cells_of(data(faces), walls)), body_viewpoint(patches), zoom=1.3)
+        look(view, bounds(cells_of(data(faces), walls)), body_viewpoint(patches), zoom=1.1)
     save(arguments.output, layout, HEIGHT)
 
 

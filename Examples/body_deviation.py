@@ -13,10 +13,11 @@ import tempfile
 
 import numpy as np
 from paraview import simple as pv
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
 import make_body_case
 from example_support import (body_patches, body_viewpoint, bounds, color_range, convert, data, legend, load_plugin, look,
-                             parser, read_mesh, rgb, save, show, surface, views)
+                             parser, read_mesh, save, show, surface, views)
 
 HEIGHT = 1000
 WALL = "#d8dde3"
@@ -31,6 +32,7 @@ def parse_arguments():
                            help="face of every block that is the body, where the mesh names no boundaries")
     arguments.add_argument("--zoom", type=float, default=1.0, help="larger shows less (default: 1)")
     arguments.add_argument("--towards", type=float, nargs=3, metavar="X", help="direction from the body to the camera")
+    arguments.add_argument("--look-at", type=float, nargs=3, metavar="X", help="point in the middle of the pictures")
     return arguments.parse_args()
 
 
@@ -97,15 +99,16 @@ def main():
         tubes = pv.Tube(Input=pv.ExtractSurface(Input=borders), Radius=0.006 * extent / arguments.zoom,
                         Scalars=[None, ""])
         show(tubes, view, array=("POINTS", "NormalJump"))
-        tubes.UpdatePipeline()
-        largest.append(tubes.PointData["NormalJump"].GetRange()[1])
+        jumps = vtk_to_numpy(data(borders).GetPointData().GetArray("NormalJump"))
+        largest.append(jumps.max())
+        print("angle between the normals of the wall: at most %.3g degrees, at %s" % (
+            largest[-1], " ".join("%.4g" % x for x in data(borders).GetPoint(int(jumps.argmax())))))
         legend("NormalJump", view, "angle, degrees; at most %.3g here" % largest[-1])
-    print("angle between the normals of the wall: Literal at most %.3g degrees, default %.3g" % tuple(largest))
     color_range("NormalJump", 0.0, FULL)
 
     towards = arguments.towards or body_viewpoint(wall(volume))
     for view in windows:
-        look(view, bounds(samples), towards, zoom=1.5 * arguments.zoom)
+        look(view, bounds(samples), towards, zoom=1.5 * arguments.zoom, center=arguments.look_at)
     save(arguments.output, layout, HEIGHT)
 
 

@@ -65,7 +65,7 @@ def main():
         ball = pv.Sphere(Center=list(position), Radius=0.008 * edge, ThetaResolution=24, PhiResolution=24)
         show(ball, left, "#000000")
     u, v, w = (points(spans)[b, a, c] for a, b, c in ((0, 0, 0), (-1, 0, 0), (0, 0, -1)))
-    look(left, bounds(layer), np.cross(v - u, w - u), zoom=1.5, center=positions.mean(axis=0))
+    look(left, bounds(layer), np.cross(v - u, w - u), zoom=1.15, center=positions.mean(axis=0))
     legend("Validity", left, "")
 
     box = np.reshape(bounds(quality), (3, 2))
