@@ -52,7 +52,8 @@ def check_Inspect(mesh, folder):
 
     # The table is that of the filter, the worst join first.
     smoothness = bsplinevolume.vtkBSplineVolumeSmoothness()
-    smoothness.SetInputConnection(converted(mesh).GetOutputPort())
+    volume = converted(mesh)
+    smoothness.SetInputConnection(volume.GetOutputPort())
     smoothness.Update()
     joins = smoothness.GetOutputDataObject(2)
     with open(os.path.join(folder, "joins.csv"), newline="") as file:

@@ -131,25 +131,23 @@ def test_blocks_have_names():
     assert names(update(simple.HexBlockTopology(Input=MESH))[0]) == ["Vertices", "Edges", "Faces"]
 
 
+def forget(described):
+    """ParaView keeps imported presets for the next session."""
+    known = servermanager.vtkSMTransferFunctionPresets.GetInstance()
+    for n in reversed(range(known.GetNumberOfPresets())):
+        if known.GetPresetName(n) in [preset["Name"] for preset in described]:
+            assert known.RemovePreset(n)
+
+
 def test_colour_presets():
     """The presets beside the plugin can be imported, and are what arrays begin with."""
     file = os.path.join(PLUGIN, "BSplineVolumePresets.json")
     with open(file) as text:
         described = json.load(text)
     assert len(described) == 3
-    # Presets are kept in the settings of the user; those imported here are removed again.
     known = servermanager.vtkSMTransferFunctionPresets.GetInstance()
-    before = known.GetNumberOfPresets()
-    if not known.HasPreset(described[0]["Name"]):
-        simple.ImportPresets(file)
-    try:
-        check_presets(described, known)
-    finally:
-        while known.GetNumberOfPresets() > before:
-            assert known.RemovePreset(known.GetNumberOfPresets() - 1)
-
-
-def check_presets(described, known):
+    forget(described)
+    simple.ImportPresets(file)
     for preset in described:
         assert known.HasPreset(preset["Name"])
         for array in preset["Arrays"]:
@@ -165,6 +163,7 @@ def check_presets(described, known):
                 colors = [[table.RGBPoints[n] for n in range(len(table.RGBPoints)) if n % 4]
                           for table in (begins_with, chosen)]
                 assert colors[0] == colors[1] and begins_with.ColorSpace == chosen.ColorSpace == preset["ColorSpace"]
+    forget(described)
 
 
 def hints(group, name):
