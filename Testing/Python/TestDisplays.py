@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What ParaView's users meet: what is shown after one Apply, names of blocks, colours, menus, file dialogs, help."""
+"""What ParaView's users meet: what is shown after one Apply, names of blocks, colours, menus, file dialogs, help.
+
+Arguments: the folder of the generated help.
+"""
+import contextlib
 import json
 import os
+import sqlite3
 import sys
 import tempfile
+import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bsv_support import simple, vtk, blocks, client, demo_mesh, names, update
@@ -38,14 +44,17 @@ def array_of(display):
 
 
 def legend_is_shown(display):
-    bar = simple.GetScalarBar(display.LookupTable, VIEW)
-    return bar.Visibility == 1
+    """After the update of legends that follows each Apply."""
+    manager = servermanager.vtkSMTransferFunctionManager()
+    manager.UpdateScalarBars(VIEW.SMProxy, manager.SHOW_USED_SCALAR_BARS | manager.HIDE_UNUSED_SCALAR_BARS)
+    return servermanager.vtkSMPVRepresentationProxy.IsScalarBarVisible(display.SMProxy, VIEW.SMProxy)
 
 
 def test_control_nets():
     for source in (MESH, VOLUME):
         display = shown(source)
         assert display.Representation == "Control Net"
+        assert not legend_is_shown(display)
         simple.Render(VIEW)
         # Lines and points.
         active = client(display).GetActiveRepresentation()
@@ -176,6 +185,8 @@ def test_menus():
         for name in proxies:
             menu, = [hint for hint in hints(group, name) if hint.GetName() == "ShowInMenu"]
             assert menu.GetAttribute("category") == "BSplineVolume", name
+            # Icons of ParaView's own: an image of ours would make the plugin depend on Qt, servers too.
+            assert group == "sources" or menu.GetAttribute("icon").startswith(":/pqWidgets/Icons/"), name
 
 
 def test_file_dialogs():
@@ -193,10 +204,16 @@ def test_file_dialogs():
 
 
 def test_help():
-    """Every property says what it is, and the help pages are part of the plugin."""
+    """Every proxy has a page in the plugin's help, on which every property says what it is."""
+    pages = {}
+    with contextlib.closing(sqlite3.connect(os.path.join(HELP, "BSplineVolume.qch"))) as archive:
+        for name, content in archive.execute("select Name, Data from FileNameTable join FileDataTable on FileId = Id "
+                                             "where Name like '%.html'"):
+            pages[name] = zlib.decompress(content[4:]).decode()  # Qt puts the length in front
     for group, proxies in (("sources", SOURCES), ("filters", FILTERS), ("writers", ("QuadflowWriter",))):
         for name in proxies:
             proxy = servermanager.ProxyManager().GetPrototypeProxy(group, name)
+            page = pages["%s.%s.html" % (group, name)]
             documentation = proxy.GetDocumentation()
             assert all((documentation.GetDescription(), documentation.GetShortHelp(), documentation.GetLongHelp())), name
             properties = proxy.NewPropertyIterator()
@@ -205,8 +222,11 @@ def test_help():
             while not properties.IsAtEnd():
                 text = properties.GetProperty().GetDocumentation()
                 assert text and text.GetDescription(), (name, properties.GetKey())
+                if not properties.GetProperty().GetInformationOnly():
+                    assert "<th>%s</th>" % properties.GetPropertyLabel() in page, (name, properties.GetKey())
                 properties.Next()
 
 
 if __name__ == "__main__":
+    HELP = sys.argv[1]
     run_tests(globals())
