@@ -10,11 +10,9 @@ Level: 0 draws the corners only. Body and symmetry planes are picked from the qu
 """
 from paraview import simple as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkIdList
-from vtkmodules.vtkFiltersCore import vtkExtractCells
 
-from example_support import (body_patches, body_viewpoint, boundary_faces, bounds, convert, data, look, parser, producer,
-                             read_mesh, save, show, views)
+from example_support import (body_patches, body_viewpoint, boundary_faces, bounds, convert, data, extract_cells, look,
+                             parser, read_mesh, save, show, views)
 
 HEIGHT = 600
 
@@ -22,15 +20,7 @@ HEIGHT = 600
 def cells_of(cells, faces):
     """Source of the cells that lie on the given (block, face)."""
     owners = zip(*(vtk_to_numpy(cells.GetCellData().GetArray(name)) for name in ("BlockId", "FaceId")))
-    ids = vtkIdList()
-    for cell, (block, face) in enumerate(owners):
-        if (int(block), int(face)) in faces:
-            ids.InsertNextId(cell)
-    extract = vtkExtractCells()
-    extract.SetInputData(cells)
-    extract.SetCellList(ids)
-    extract.Update()
-    return producer(extract.GetOutput())
+    return extract_cells(cells, [cell for cell, owner in enumerate(owners) if owner in faces])
 
 
 def main():

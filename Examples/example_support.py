@@ -10,8 +10,9 @@ import tempfile
 import numpy as np
 from paraview import simple as pv
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkPoints
+from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkIdList, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkExtractCells
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
@@ -107,6 +108,18 @@ def points(grid, array=None):
 def strings(field_data, name):
     array = field_data.GetAbstractArray(name)
     return [array.GetValue(i) for i in range(array.GetNumberOfValues())] if array else []
+
+
+def extract_cells(cells, ids):
+    """Source of some cells of an unstructured grid."""
+    chosen = vtkIdList()
+    for cell in ids:
+        chosen.InsertNextId(int(cell))
+    extract = vtkExtractCells()
+    extract.SetInputData(cells)
+    extract.SetCellList(chosen)
+    extract.Update()
+    return producer(extract.GetOutput())
 
 
 def matches(name, patterns):

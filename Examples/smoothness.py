@@ -41,10 +41,10 @@ def main():
     towards = (0.8, -1.0, 0.7)
     for block in moved_apart(smoothness):
         show(block, left, array=("CELLS", "LayerJump"))
-    look(left, (1.0 + APART) * np.array(bounds(smoothness, 1)), towards, zoom=1.05)
+    look(left, (1.0 + APART) * np.array(bounds(smoothness, 1)), towards, zoom=0.97)
 
     show(pv.OutputPort(smoothness, 0), right, array=("POINTS", "LayerJump"))
-    look(right, bounds(smoothness, 1), towards, zoom=1.05)
+    look(right, bounds(smoothness, 1), towards, zoom=0.97)
     extent = np.ptp(np.array(bounds(smoothness, 1)).reshape(3, 2), axis=1).max()
     curves = pv.Threshold(Input=pv.OutputPort(smoothness, 3), Scalars=["CELLS", "Kind"], LowerThreshold=0,
                           UpperThreshold=0)

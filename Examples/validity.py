@@ -6,8 +6,8 @@ Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
     pvpython Examples/validity.py --mesh wing.xyz
 
   1. converts the mesh and drags one control point of the largest block through its neighbours;
-  2. left the spans around it, one layer of the block, by validity: invalid where the Jacobian determinant is not
-     positive somewhere, with such a point, the witness, as a ball;
+  2. left one layer of spans around it: valid ones between straight lines, invalid ones exactly, that is those on which
+     the Jacobian determinant is not positive somewhere; such a point, the witness, is drawn as a ball;
   3. right all blocks cut open, coloured by the scaled Jacobian (1 is best).
 """
 import numpy as np
@@ -15,8 +15,8 @@ from paraview import simple as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPartitionedDataSetCollection
 
-from example_support import (bounds, color_range, convert, data, grids, legend, look, parser, points, producer,
-                             read_mesh, save, show, size, views)
+from example_support import (bounds, color_range, convert, data, extract_cells, grids, legend, look, parser,
+                             points, producer, read_mesh, save, show, size, views)
 
 HEIGHT = 620
 
@@ -45,28 +45,32 @@ def main():
         quality.NumberOfUndecidedSpans))
 
     layout, (left, right) = views(("a layer of spans; balls: witnesses", "all blocks, cut open"), HEIGHT)
-    spans = [grid for _, grid in grids(data(quality))][number]
     witnesses = data(quality, 1)
     indices = vtk_to_numpy(witnesses.GetPointData().GetArray("Span"))
     k = int(indices[0, 2])
-    layer = pv.ExtractSubset(Input=producer(spans))
-    layer.VOI = [0, size(spans)[0] - 1, 0, size(spans)[1] - 1, k, k + 1]
-    verdicts = set(vtk_to_numpy(data(layer).GetCellData().GetArray("Validity")))
-    for verdict, opacity in ((0, 0.45), (1, 0.7), (2, 0.7)):
-        if verdict not in verdicts:
-            continue
-        part = pv.Threshold(Input=layer, Scalars=["CELLS", "Validity"], LowerThreshold=verdict, UpperThreshold=verdict)
-        show(part, left, array=("CELLS", "Validity"), Representation="Surface With Edges", EdgeColor=[0.3] * 3,
-             Opacity=opacity)
+    cells = data(pv.BSplineVolumeToBezierCells(Input=producer(volume)))
+    spans = vtk_to_numpy(cells.GetCellData().GetArray("SpanId"))
+    layer = np.flatnonzero((vtk_to_numpy(cells.GetCellData().GetArray("BlockId")) == number) & (spans[:, 2] == k))
+    grid = [grid for _, grid in grids(data(quality))][number]
+    ni, nj, _ = (n - 1 for n in size(grid))
+    verdicts = vtk_to_numpy(grid.GetCellData().GetArray("Validity"))[spans[layer] @ [1, ni, ni * nj]]
+    straight = pv.ExtractSubset(Input=producer(grid))
+    straight.VOI = [0, ni, 0, nj, k, k + 1]
+    show(pv.Threshold(Input=straight, Scalars=["CELLS", "Validity"], LowerThreshold=0, UpperThreshold=0), left,
+         array=("CELLS", "Validity"), Representation="Surface With Edges", EdgeColor=[0.3] * 3, Opacity=0.4)
+    legend("Validity", left, "")
+    for verdict, color in ((1, "#d62629"), (2, "#f2b529")):
+        if verdict in verdicts:
+            show(extract_cells(cells, layer[verdicts == verdict]), left, color, NonlinearSubdivisionLevel=4, Opacity=0.7)
     here = (vtk_to_numpy(witnesses.GetPointData().GetArray("BlockId")) == number) & (indices[:, 2] == k)
     positions = vtk_to_numpy(witnesses.GetPoints().GetData())[here]
-    edge = np.linalg.norm(np.ptp(np.reshape(bounds(layer), (3, 2)), axis=1))
+    edge = np.linalg.norm(np.ptp(np.reshape(grid.GetBounds(), (3, 2)), axis=1))
     for position in positions:
-        ball = pv.Sphere(Center=list(position), Radius=0.008 * edge, ThetaResolution=24, PhiResolution=24)
+        ball = pv.Sphere(Center=list(position), Radius=0.006 * edge, ThetaResolution=24, PhiResolution=24)
         show(ball, left, "#000000")
-    u, v, w = (points(spans)[b, a, c] for a, b, c in ((0, 0, 0), (-1, 0, 0), (0, 0, -1)))
-    look(left, bounds(layer), np.cross(v - u, w - u), zoom=1.15, center=positions.mean(axis=0))
-    legend("Validity", left, "")
+    corners = points(grid)
+    normal = np.cross(corners[0, 0, -1] - corners[0, 0, 0], corners[0, -1, 0] - corners[0, 0, 0])
+    look(left, grid.GetBounds(), normal, zoom=2.0, center=positions.mean(axis=0))
 
     box = np.reshape(bounds(quality), (3, 2))
     cut = pv.Clip(Input=quality, ClipType="Plane")
