@@ -324,4 +324,33 @@ MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution
   return check;
 }
 
+double minimumScaledJacobian(const GridView& points, const Execution& run)
+{
+  const Ijk& counts = points.counts();
+  std::vector<double> layers(counts[2] - 1, 1.0);
+  run.parallelFor(counts[2] - 1, 1, [&](Index begin, Index end) {
+    for (int k = static_cast<int>(begin); k < end; ++k)
+    {
+      for (int j = 0; j + 1 < counts[1]; ++j)
+      {
+        for (int i = 0; i + 1 < counts[0]; ++i)
+        {
+          std::array<Vec3, 8> x;
+          for (int v = 0; v < 8; ++v)
+          {
+            x[v] = points(i + (v & 1), j + (v >> 1 & 1), k + (v >> 2));
+          }
+          for (int v = 0; v < 8; ++v)
+          {
+            const Vec3 a = x[v | 1] - x[v & ~1], b = x[v | 2] - x[v & ~2], c = x[v | 4] - x[v & ~4];
+            const double lengths = a.norm() * b.norm() * c.norm();
+            layers[k] = std::min(layers[k], lengths > 0.0 ? a.cross(b).dot(c) / lengths : -1.0);
+          }
+        }
+      }
+    }
+  });
+  return *std::min_element(layers.begin(), layers.end());
+}
+
 } // namespace bsv

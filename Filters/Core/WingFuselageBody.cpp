@@ -21,6 +21,15 @@ double stretch(double t, double s0, double s1)
   return t * (s0 + t * ((3.0 - 2.0 * s0 - s1) + t * (s0 + s1 - 2.0)));
 }
 
+/// From 0 to 1 with the slopes s0 and s1 at the ends, and almost equal steps near 1.
+double stretchEvenly(double t, double s0, double s1)
+{
+  // The derivative is s1 + (1-t)^2 (a + b t).
+  const double a = s0 - s1;
+  const double b = 12.0 * (1.0 - s1) - 4.0 * a;
+  return t * (s1 + a + t * (0.5 * (b - 2.0 * a) + t * ((a - 2.0 * b) / 3.0 + t * 0.25 * b)));
+}
+
 /// The fuselage: an image of the half sphere n_y >= 0, and that of the unit disc (stereographic projection), which has no
 /// poles.
 class Fuselage
@@ -72,7 +81,9 @@ public:
   {
     const Vec2 root = this->section(patch, a);
     const double first = this->rootStation(root);
-    const double station = first + (this->lastStation(patch, a) - first) * stretch(b, 0.6, 0.05);
+    // The steps at the tip do not depend on the span.
+    const double last = this->lastStation(patch, a);
+    const double station = first + (last - first) * stretchEvenly(b, 0.6, TipStep / ((last - first) * this->Span));
     if (patch == 4 && station > 1.0)
     {
       // Beyond the tip station lines of constant height go on over the round end.
@@ -97,9 +108,11 @@ public:
 
 private:
   static constexpr double RootChord = 1.8, TipChord = 0.9, QuarterChordAtRoot = -0.4;
-  static constexpr double EdgeHalfThickness = 0.008;
+  static constexpr double EdgeHalfThickness = 0.01;
   /// Square root of the chord fraction where the leading-edge patch ends.
-  static constexpr double LeadingWidth = 0.3;
+  static constexpr double LeadingWidth = 0.22;
+  /// Derivative of the distance along the span with respect to b, at the tip.
+  static constexpr double TipStep = 0.54;
   /// Depth of the round end over the thickness of the section.
   static constexpr double TipDepth = 2.5;
 
@@ -123,7 +136,7 @@ private:
   }
 
   /// w along the upper side: small steps at both ends.
-  static double chordwise(double a) { return LeadingWidth + (1.0 - LeadingWidth) * stretch(a, 1.0, 0.15); }
+  static double chordwise(double a) { return LeadingWidth + (1.0 - LeadingWidth) * stretch(a, 1.0, 0.06); }
 
   /// How far the leading-edge patch reaches over the round end, at a height; both over the chord.
   static double leadingReach(double height)
@@ -337,7 +350,7 @@ const std::vector<PatchSeam>& wingFuselageSeams()
 
 std::vector<BodyPatch> wingFuselageBody(const WingFuselageShape& shape)
 {
-  checkRange("Span", shape.span, 2.0, 8.0);
+  checkRange("Span", shape.span, 2.0, 6.0);
   checkRange("Sweep Angle", shape.sweepAngle, 0.0, 45.0);
   static constexpr const char* Names[WingFuselagePatches] = { "fuselage_front", "fuselage_top", "fuselage_rear",
     "fuselage_bottom", "wing_leading_edge", "wing_upper", "wing_trailing_edge", "wing_lower", "wing_tip" };

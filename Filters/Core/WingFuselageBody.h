@@ -29,7 +29,7 @@ namespace bsv
 
 struct WingFuselageShape
 {
-  /// From the symmetry plane to the wing tip. Range [2, 8].
+  /// From the symmetry plane to the wing tip. Range [2, 6].
   double span = 3.5;
   /// Of the line through the quarter chords, degrees. Range [0, 45].
   double sweepAngle = 25.0;
