@@ -8,8 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <map>
 #include <numeric>
 
 namespace bsv
@@ -971,8 +971,8 @@ private:
 // All joins
 //------------------------------------------------------------------------------
 
-/// The pairs of wall faces that meet along a block edge.
-std::vector<Join> wallBorders(const SharedEntities& shared, const SmoothnessOptions& options)
+/// The pairs of outer faces that meet along a block edge.
+std::vector<Join> outerBorders(const SharedEntities& shared)
 {
   struct Use
   {
@@ -988,7 +988,7 @@ std::vector<Join> wallBorders(const SharedEntities& shared, const SmoothnessOpti
       for (int axis = 0; axis < 2; ++axis)
       {
         const int face = 2 * faceAxis(2 * edgeDirection(e), axis) + edgeSide(e, axis);
-        if (shared.faces[block.faces[face]].uses == 1 && options.isWall(b, face))
+        if (shared.faces[block.faces[face]].uses == 1)
         {
           uses[block.edges[e]].push_back({ b, face, e, block.edgeReversed[e] });
         }
@@ -1187,18 +1187,18 @@ double controlPoints(const BSplineVolume& volume, const Join& join)
                        : double(volume.count(faceAxis(side.face, 0))) * volume.count(faceAxis(side.face, 1));
 }
 
-/// Measures joins [begin, end) in batches: their traces need more memory than their results. `done` counts the control
+/// Measures joins in batches: their traces need more memory than their results. `done` counts the control
 /// points of all joins, `total` is their number.
 void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, std::vector<Join>& joins,
-  std::size_t begin, std::size_t end, double& done, double total, const Execution& run)
+  double& done, double total, const Execution& run)
 {
   constexpr double BatchSize = 1e5; // control points
-  for (std::size_t first = begin; first < end;)
+  for (std::size_t first = 0; first < joins.size();)
   {
     run.report(done / total);
     std::vector<JoinMeasurement> batch;
     double size = 0.0;
-    while (first + batch.size() < end && size < BatchSize)
+    while (first + batch.size() < joins.size() && size < BatchSize)
     {
       Join& join = joins[first + batch.size()];
       size += controlPoints(volumes[join.sides[0].block], join);
@@ -1280,31 +1280,37 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
     join.orientation = contact.orientation;
     result.joins.push_back(join);
   }
-  const std::vector<Join> borders = wallBorders(shared, options);
-  result.joins.insert(result.joins.end(), borders.begin(), borders.end());
+  std::vector<Join> borders = outerBorders(shared);
   double total = 0.0;
-  for (const Join& join : result.joins)
+  for (const std::vector<Join>* joins : { &result.joins, &borders })
   {
-    total += controlPoints(volumes[join.sides[0].block], join);
+    for (const Join& join : *joins)
+    {
+      total += controlPoints(volumes[join.sides[0].block], join);
+    }
   }
 
-  // The borders first: creases tell which layers of the interfaces are bound to kink.
+  // The borders first, also those that are not on the wall: creases tell which layers of the interfaces are bound to
+  // kink.
   double done = 0.0;
-  measureJoins(volumes, options, result.joins, interfaces.size(), result.joins.size(), done, total, run);
+  measureJoins(volumes, options, borders, done, total, run);
   std::vector<bool> crease(shared.edges.size(), false);
-  for (std::size_t n = interfaces.size(); n < result.joins.size(); ++n)
+  for (Join& join : borders)
   {
-    Join& join = result.joins[n];
     const Join::Side& side = join.sides[0];
     const unsigned char* rules = options.rules.empty() ? nullptr : options.rules[side.block];
     join.crease = taggedCrease(join, volumes[side.block], rules) || isSharp(join, options.creaseAngle);
     crease[shared.blocks[side.block].edges[side.edge]] = join.crease;
   }
-  for (std::size_t n = 0; n < interfaces.size(); ++n)
+  for (Join& join : result.joins)
   {
-    describeInterface(shared, crease, result.joins[n]);
+    describeInterface(shared, crease, join);
   }
-  measureJoins(volumes, options, result.joins, 0, interfaces.size(), done, total, run);
+  measureJoins(volumes, options, result.joins, done, total, run);
+  std::copy_if(borders.begin(), borders.end(), std::back_inserter(result.joins), [&](const Join& join) {
+    return std::all_of(join.sides.begin(), join.sides.end(),
+      [&](const Join::Side& side) { return options.isWall(side.block, side.face); });
+  });
 
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
