@@ -326,12 +326,7 @@ Basis basisAt(const Trace& trace, int k, const Cell::Part& part, double x, doubl
 }
 
 /// One-sided sample position along an axis, for both sides of the join.
-struct Station
-{
-  int cell = 0;
-  double x = 0.0;
-  std::array<Basis, 2> basis;
-};
+using Station = std::array<Basis, 2>;
 
 /// What one side says at a point. Vectors that are zero up to rounding are zero.
 struct SideValues
@@ -575,7 +570,7 @@ public:
         for (const Station& s : this->Stations[0][i])
         {
           Vec3 point;
-          const Jumps jumps = this->evaluate(s.basis, t.basis, &point);
+          const Jumps jumps = this->evaluate(s, t, &point);
           if (first)
           {
             this->Result.points[place] = point;
@@ -725,11 +720,9 @@ private:
   Station station(int k, int cell, double x, double rest) const
   {
     Station result;
-    result.cell = cell;
-    result.x = x;
     for (int side = 0; side < 2; ++side)
     {
-      result.basis[side] = basisAt(this->Traces[side], k, this->Cells[k][cell].parts[side], x, rest);
+      result[side] = basisAt(this->Traces[side], k, this->Cells[k][cell].parts[side], x, rest);
     }
     return result;
   }
@@ -780,7 +773,7 @@ private:
     return swapped && (kind == first || kind == second) ? first + second - kind : kind;
   }
 
-  Jumps evaluate(const std::array<Basis, 2>& s, const std::array<Basis, 2>& t, Vec3* point = nullptr) const
+  Jumps evaluate(const Station& s, const Station& t, Vec3* point = nullptr) const
   {
     const SideValues a = evaluateSide(this->Traces[0], s[0], t[0]);
     const SideValues b = evaluateSide(this->Traces[1], s[1], t[1]);
@@ -885,7 +878,7 @@ private:
         const auto f = [&](double x, double y) {
           const Station s = this->station(0, here.cell[0], x, 1.0 - x);
           const Station t = this->station(1, here.cell[1], y, 1.0 - y);
-          return this->evaluate(s.basis, t.basis)[kind];
+          return this->evaluate(s, t)[kind];
         };
         climb(f, 1.0 / this->Parts, here.x, here.y, here.value);
         maxima[this->inA(this->Result.spans, here.cell[0], here.cell[1])] = here.value;
@@ -897,7 +890,7 @@ private:
     worst.value = winner.value;
     const Station s = this->station(0, winner.cell[0], winner.x, 1.0 - winner.x);
     const Station t = this->station(1, winner.cell[1], winner.y, 1.0 - winner.y);
-    this->evaluate(s.basis, t.basis, &worst.point);
+    this->evaluate(s, t, &worst.point);
     for (int side = 0; side < 2; ++side)
     {
       worst.uvw[this->Exchange ? 1 - side : side] = this->parameters(side, winner);

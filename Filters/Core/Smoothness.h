@@ -180,8 +180,8 @@ struct SmoothnessResult
 };
 
 /// Samples all joins and then refines the maxima: from the best samples of the spans that come within 20 % of the best
-/// of their join (at most 8 of them) the jump is followed to its local maximum by quadratic fits, unless their neighbours
-/// promise too little, or it is below a thousandth of what counts as smooth.
+/// of their join (at most 8 of them) the jump is followed to its local maximum by quadratic fits, unless the samples
+/// around promise too little, or it is below a thousandth of what counts as smooth.
 ///
 /// The values are the same bits for any order and orientation of the blocks, if knots are spaced equally bit for bit in
 /// both senses, and for any `run`. Interfaces span whole faces; their ranges are not used.

@@ -759,6 +759,35 @@ TEST(Smoothness, ConvertedMeshes)
   }
 }
 
+TEST(Smoothness, BlocksThatMeetThemselves)
+{
+  // A ring of one block is C2 where it closes; its inner face may be collapsed to the axis.
+  for (const double radius : { 0.5, 0.0 })
+  {
+    BlockComplexOptions options;
+    options.allowDegenerate = true;
+    const auto ring = conversioncases::convert(meshcases::oGrid({ 9, 4, 3 }, radius).mesh(), {}, options);
+    const auto interfaces = findVolumeInterfaces(ring.volumes);
+    ASSERT_FALSE(interfaces.empty());
+    const SmoothnessResult result = measureSmoothness(ring.volumes, interfaces);
+    for (const Join& join : result.joins)
+    {
+      for (const JumpMaximum& jump : join.worst)
+      {
+        EXPECT_TRUE(std::isfinite(jump.value) && jump.point.allFinite());
+      }
+    }
+    for (std::size_t n = 0; n < interfaces.size(); ++n)
+    {
+      EXPECT_EQ(interfaces[n].blockA, interfaces[n].blockB);
+      if (radius > 0.0)
+      {
+        EXPECT_EQ(result.joins[n].continuity, Continuity::C2);
+      }
+    }
+  }
+}
+
 TEST(Smoothness, RankingAndTotals)
 {
   auto mesh = meshcases::ring(5, 3, { { 0, 1, 2 }, { 2, 3, 4 } }).apply(meshcases::wavy);
