@@ -46,6 +46,13 @@ def parse_arguments():
 
 
 # ---------------------------------------------------------------------------------------------- report
+def measured(proxy):
+    """The filter after it has run, with its results."""
+    proxy.UpdatePipeline()
+    proxy.UpdatePropertyInformation()
+    return proxy
+
+
 def report(before, after):
     """Control points per rule, and per kind of block."""
     rule_names = strings(after.GetFieldData(), "ControlPointRuleNames")
@@ -172,7 +179,8 @@ def coloured_blocks(mesh):
         block.ShallowCopy(grid)
         # Hues in steps of the golden section are well apart; the body's blocks are stronger than the outer ones.
         colour = colorsys.hsv_to_rgb(number * 0.618034 % 1.0, 0.65 if number < 40 else 0.35, 0.95)
-        array = numpy_to_vtk(np.tile((255 * np.array(colour)).astype(np.uint8), (grid.GetNumberOfCells(), 1)), deep=True)
+        colour = (255 * np.array(colour)).astype(np.uint8)
+        array = numpy_to_vtk(np.tile(colour, (grid.GetNumberOfCells(), 1)), deep=True)
         array.SetName("Colour")
         block.GetCellData().AddArray(array)
         copy.SetPartition(number, 0, block)
@@ -266,12 +274,16 @@ def main():
         pv.SaveData(path(name), proxy=proxy)
 
     # 3. report
-    source.UpdatePropertyInformation()
+    measured(source)
     print("mesh: %d points, smallest scaled Jacobian %.3f" % (source.NumberOfMeshPoints, source.MinimumScaledJacobian))
     report(data(source), data(volume))
-    deviation = pv.BodyDeviation(Input=volume, Body=body, Level=2)
-    deviation.UpdatePipeline()
-    deviation.UpdatePropertyInformation()
+    quality = measured(pv.BSplineVolumeQuality(Input=volume))
+    print("spans: %d, proven valid: %d, smallest scaled Jacobian %.3f" %
+          (quality.NumberOfSpans, quality.NumberOfValidSpans, quality.MinimumScaledJacobian))
+    smoothness = measured(pv.BSplineVolumeSmoothness(Input=volume))
+    print("interfaces: %d, largest gap %g, largest normal jump at smooth borders of the wall %.3g degrees" %
+          (smoothness.NumberOfInterfaces, smoothness.MaximumGap, smoothness.MaximumNormalJump))
+    deviation = measured(pv.BodyDeviation(Input=volume, Body=body, Level=2))
     print("distance of the converted body from the NURBS surface: largest %.3g, root mean square %.3g" %
           (deviation.MaximumDistance, deviation.RMSDistance))
 

@@ -5,19 +5,21 @@
  *
  * x points downstream, y along the span, z up; the symmetry plane is y = 0. The fuselage is 6 long, 1 in diameter.
  *
- * Output port 0 (`Mesh`): a hexahedral block mesh (HexBlockData.h) in double precision. Blocks 0..39 are the mesh around
- * the body, four from each of its nine patches, and the blocks ahead and behind, which complete a cuboid; 40..58 are
- * attached to the faces of the cuboid and extend it to the far field; 59..78 touch the cuboid by an edge or a corner only
- * (WingFuselageMesh.h). The wall is a Catmull-Clark control mesh whose limit points lie on the body. Field data:
- * `Interfaces`, `Boundaries`, `BoundaryNames` (`wall_fuselage`, `wall_wing`, `symmetry`, `farfield`) and `CreaseEdges`: the
- * junction of wing and fuselage, the two edges of the trailing edge, and the rim of the tip but for its leading edge.
+ * Output port 0 (`Mesh`): a hexahedral block mesh (HexBlockData.h) in double precision. Blocks 0..39 are the mesh
+ * around the body, four from each of its nine patches, and the blocks ahead and behind, which complete a cuboid; 40..58
+ * are attached to the faces of the cuboid and extend it to the far field; 59..78 touch the cuboid by an edge or a
+ * corner only (WingFuselageMesh.h). The wall is a Catmull-Clark control mesh whose B-spline surface passes through
+ * points of the body. Field data: `Interfaces`, `Boundaries`, `BoundaryNames` (`wall_fuselage`, `wall_wing`,
+ * `symmetry`, `farfield`) and `CreaseEdges`: the junction of wing and fuselage, the two edges of the trailing edge, and
+ * the rim of the tip but for its leading edge.
  *
  * Output port 1 (`Body`): the body as nine bicubic B-spline patches and their tessellation (NURBSSurfaceData.h).
  *
  * All scaled Jacobians are positive in the ranges below. With n = Resolution the wall has 26 n^2 cells; time
  * and memory are proportional to the points.
  *
- * Properties that do not go together, or more points than the machine can hold, are an error; the outputs are then empty.
+ * Properties that do not go together, or more points than the machine can hold, are an error; the outputs are then
+ * empty.
  */
 #ifndef vtkWingFuselageSource_h
 #define vtkWingFuselageSource_h
@@ -34,9 +36,9 @@ public:
 
   ///@{
   /**
-   * Cells across the leading edge and the nose; twice as many along the chord and the fuselage, three times along the span.
-   * Range [3, 96], default 8. With the other defaults 3 gives 18 thousand points, 8 114 thousand, 20 one million, 44 ten
-   * million and 76 fifty million.
+   * Cells across the leading edge and the nose; twice as many along the chord and the fuselage, three times along the
+   * span. Range [3, 96], default 8. With the other defaults 3 gives 18 thousand points, 8 114 thousand, 20 one million,
+   * 44 ten million and 76 fifty million.
    */
   vtkSetMacro(Resolution, int);
   vtkGetMacro(Resolution, int);
@@ -84,7 +86,8 @@ public:
 
   ///@{
   /**
-   * Of the last mesh that was made: points of all blocks, and the smallest scaled Jacobian over all corners of all cells.
+   * Of the last mesh that was made: points of all blocks, and the smallest scaled Jacobian over all corners of all
+   * cells.
    */
   vtkGetMacro(NumberOfMeshPoints, vtkIdType);
   vtkGetMacro(MinimumScaledJacobian, double);

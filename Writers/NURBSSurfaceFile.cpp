@@ -31,7 +31,8 @@ NURBSSurface reversedSurface(const NURBSSurface& surface)
   const int count = surface.count(0);
   for (int j = 0; j < surface.count(1); ++j)
   {
-    std::reverse(result.points.begin() + std::ptrdiff_t(j) * count, result.points.begin() + std::ptrdiff_t(j + 1) * count);
+    std::reverse(
+      result.points.begin() + std::ptrdiff_t(j) * count, result.points.begin() + std::ptrdiff_t(j + 1) * count);
     if (result.rational())
     {
       std::reverse(
@@ -159,9 +160,11 @@ void writeIGES(const std::vector<NURBSSurface>& surfaces, const std::vector<std:
   std::strftime(date, sizeof(date), "%Y%m%d.%H%M%S", gmtime_r(&now, &utc));
   // Delimiters, names, sizes of numbers, scale, unit (6: metres), line widths, date, resolution, largest coordinate,
   // author, version (11: IGES 5.3), drafting standard (none), date.
-  const std::vector<std::string> global = igesLines({ "1H,", "1H;", igesText("body"), igesText("body.igs"),
-    igesText("BSplineVolume"), igesText("BSplineVolume"), "32", "38", "6", "308", "15", igesText("body"), "1.", "6",
-    igesText("M"), "1", "0.", igesText(date), "1.E-07", igesReal(largest), "", "", "11", "0", igesText(date) }, 72);
+  const std::vector<std::string> global =
+    igesLines({ "1H,", "1H;", igesText("body"), igesText("body.igs"), igesText("BSplineVolume"),
+                igesText("BSplineVolume"), "32", "38", "6", "308", "15", igesText("body"), "1.", "6", igesText("M"),
+                "1", "0.", igesText(date), "1.E-07", igesReal(largest), "", "", "11", "0", igesText(date) },
+      72);
   for (std::size_t i = 0; i < global.size(); ++i)
   {
     file.write(igesLine(global[i], 'G', i + 1));
@@ -175,7 +178,8 @@ void writeIGES(const std::vector<NURBSSurface>& surfaces, const std::vector<std:
     char text[80];
     std::snprintf(text, sizeof(text), "%8d%8zu%8d%8d%8d%8d%8d%8d%08d", 128, first, 0, 0, 0, 0, 0, 0, 0);
     file.write(igesLine(text, 'D', 2 * s + 1));
-    std::snprintf(text, sizeof(text), "%8d%8d%8d%8zu%8d%8s%8s%8.8s%8d", 128, 0, 0, lines, 0, "", "", names[s].c_str(), 0);
+    std::snprintf(
+      text, sizeof(text), "%8d%8d%8d%8zu%8d%8s%8s%8.8s%8d", 128, 0, 0, lines, 0, "", "", names[s].c_str(), 0);
     file.write(igesLine(text, 'D', 2 * s + 2));
     first += lines;
   }

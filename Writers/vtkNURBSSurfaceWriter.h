@@ -3,9 +3,9 @@
  * @class   vtkNURBSSurfaceWriter
  * @brief   writes NURBS surfaces as GoTools .g2 or IGES files
  *
- * The extension of the file name decides: `g2` (spline surfaces, class 200), `igs` or `iges` (IGES 5.3, entity 128, which
- * needs no CAD library). Numbers are the shortest that read back to the same double; in `.g2` the points of rational
- * patches are multiplied by their weights. IGES files declare metres.
+ * The extension of the file name decides: `g2` (spline surfaces, class 200), `igs` or `iges` (IGES 5.3, entity 128,
+ * which needs no CAD library). Numbers are the shortest that read back to the same double; in `.g2` the points of
+ * rational patches are multiplied by their weights. IGES files declare metres.
  *
  * Input: NURBS surfaces (NURBSSurfaceData.h), untrimmed. A trimmed patch is an error that names it.
  *

@@ -30,8 +30,8 @@ double stretchEvenly(double t, double s0, double s1)
   return t * (s1 + a + t * (0.5 * (b - 2.0 * a) + t * ((a - 2.0 * b) / 3.0 + t * 0.25 * b)));
 }
 
-/// The fuselage: an image of the half sphere n_y >= 0, and that of the unit disc (stereographic projection), which has no
-/// poles.
+/// The fuselage: an image of the half sphere n_y >= 0, and that of the unit disc (stereographic projection), which has
+/// no poles.
 class Fuselage
 {
 public:
@@ -145,8 +145,8 @@ private:
     return 0.5 * last * (1.0 - std::pow(height / last, 2));
   }
 
-  /// Section of the round end at w across the chord: an arc from the lower (angle = -1) to the upper (angle = 1) rim, as
-  /// (reach, height). A half circle at the leading edge, almost flat at the trailing edge.
+  /// Section of the round end at w across the chord: an arc from the lower (angle = -1) to the upper (angle = 1) rim,
+  /// as (reach, height). A half circle at the leading edge, almost flat at the trailing edge.
   static Vec2 endArc(double w, double angle)
   {
     const double t = std::clamp((w - LeadingWidth) / (1.0 - LeadingWidth), 0.0, 1.0);
@@ -317,6 +317,8 @@ Vec3& sidePoint(NURBSSurface& surface, int side, int n)
                   : surface.points[n + std::size_t(counts[0]) * fixed];
 }
 
+} // namespace
+
 void checkRange(const char* name, double value, double low, double high)
 {
   if (!(value >= low && value <= high))
@@ -327,7 +329,11 @@ void checkRange(const char* name, double value, double low, double high)
   }
 }
 
-} // namespace
+void checkWingFuselageShape(const WingFuselageShape& shape)
+{
+  checkRange("Span", shape.span, 2.0, 6.0);
+  checkRange("Sweep Angle", shape.sweepAngle, 0.0, 45.0);
+}
 
 const std::vector<PatchSeam>& wingFuselageSeams()
 {
@@ -350,8 +356,7 @@ const std::vector<PatchSeam>& wingFuselageSeams()
 
 std::vector<BodyPatch> wingFuselageBody(const WingFuselageShape& shape)
 {
-  checkRange("Span", shape.span, 2.0, 6.0);
-  checkRange("Sweep Angle", shape.sweepAngle, 0.0, 45.0);
+  checkWingFuselageShape(shape);
   static constexpr const char* Names[WingFuselagePatches] = { "fuselage_front", "fuselage_top", "fuselage_rear",
     "fuselage_bottom", "wing_leading_edge", "wing_upper", "wing_trailing_edge", "wing_lower", "wing_tip" };
   // Enough for the round end at the leading edge, the smallest feature.

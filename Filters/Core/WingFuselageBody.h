@@ -2,10 +2,10 @@
 /// @file WingFuselageBody.h
 /// Half model of a wing and a fuselage as nine NURBS patches.
 ///
-/// x points downstream, y along the span, z up; the symmetry plane is y = 0. The fuselage has the length 6 and the radius
-/// 0.5 in the middle. The wing is swept, tapered and twisted, with a symmetric section of square-root leading edge (class
-/// function of B. M. Kulfan, J. Aircraft 45(1), 2008, doi:10.2514/1.29958), 14 % thick, with a blunt trailing edge. The
-/// tip is round at the leading edge and becomes sharp-rimmed towards the trailing edge.
+/// x points downstream, y along the span, z up; the symmetry plane is y = 0. The fuselage has the length 6 and the
+/// radius 0.5 in the middle. The wing is swept, tapered and twisted, with a symmetric section of square-root leading
+/// edge (class function of B. M. Kulfan, J. Aircraft 45(1), 2008, doi:10.2514/1.29958), 14 % thick, with a blunt
+/// trailing edge. The tip is round at the leading edge and becomes sharp-rimmed towards the trailing edge.
 ///
 /// Patch p has the parameters a, b in [0, 1] and the outward normal x_a x x_b:
 ///
@@ -35,6 +35,12 @@ struct WingFuselageShape
   double sweepAngle = 25.0;
 };
 
+/// @throws Error that names the property unless low <= value <= high.
+void checkRange(const char* name, double value, double low, double high);
+
+/// @throws Error for a shape out of range.
+void checkWingFuselageShape(const WingFuselageShape& shape);
+
 constexpr int WingFuselagePatches = 9;
 
 /// Side of a patch: 0 a=0, 1 a=1, 2 b=0, 3 b=1.
@@ -58,8 +64,8 @@ struct PatchSeam
 /// All seams: every side is in one, but those of patches 0..3 at b=0, which lie in the symmetry plane.
 const std::vector<PatchSeam>& wingFuselageSeams();
 
-/// The patches: bicubic, non-rational, with the same uniform knots, interpolating the shape. Control points of sides that
-/// are one curve are equal bit for bit, so the body has no gaps; those in the symmetry plane have y = 0.
+/// The patches: bicubic, non-rational, with the same uniform knots, interpolating the shape. Control points of sides
+/// that are one curve are equal bit for bit, so the body has no gaps; those in the symmetry plane have y = 0.
 /// @throws Error for a shape out of range.
 std::vector<BodyPatch> wingFuselageBody(const WingFuselageShape& shape);
 

@@ -35,50 +35,28 @@ constexpr double BoxReach = 2.0;
 /// Distances 0 = s_0 < s_1 < .. < s_n = length.
 using Steps = std::vector<double>;
 
-[[noreturn]] void fail(const char* name, double value, const std::string& what)
-{
-  std::ostringstream text;
-  text << name << " " << value << " " << what;
-  throw Error(text.str());
-}
-
-void checkRange(const char* name, double value, double low, double high)
-{
-  if (!(value >= low && value <= high))
-  {
-    std::ostringstream range;
-    range << "is not between " << low << " and " << high;
-    fail(name, value, range.str());
-  }
-}
-
-/// Steps that start with `first` and grow by one ratio for `growing` steps, then stay the same for `equal` ones.
+/// Steps that start with `first`, grow `growing` times by one ratio and stay the same then.
 Steps growingSteps(double first, int growing, int equal, double length)
 {
-  const auto total = [&](double ratio) {
-    double sum = 0.0, step = first;
+  const auto steps = [&](double ratio) {
+    Steps result{ 0.0 };
+    double step = first;
     for (int i = 0; i < growing + equal; ++i)
     {
-      sum += step;
-      step *= i + 1 < growing + 1 ? ratio : 1.0;
+      result.push_back(result.back() + step);
+      step *= i < growing ? ratio : 1.0;
     }
-    return sum;
+    return result;
   };
   double low = 0.0, high = 16.0;
   for (int i = 0; i < 100; ++i)
   {
     const double middle = 0.5 * (low + high);
-    (total(middle) < length ? low : high) = middle;
+    (steps(middle).back() < length ? low : high) = middle;
   }
-  Steps steps{ 0.0 };
-  double step = first;
-  for (int i = 0; i < growing + equal; ++i)
-  {
-    steps.push_back(steps.back() + step);
-    step *= i + 1 < growing + 1 ? high : 1.0;
-  }
-  steps.back() = length;
-  return steps;
+  Steps result = steps(high);
+  result.back() = length;
+  return result;
 }
 
 /// Sizes of everything.
@@ -86,12 +64,11 @@ struct Plan
 {
   explicit Plan(const WingFuselageOptions& options)
   {
+    checkWingFuselageShape(options.shape);
     checkRange("Resolution", options.resolution, 3, 96);
     checkRange("Far Field Distance", options.farFieldDistance, 2.0, 1000.0);
     checkRange("First Layer Height", options.firstLayerHeight, 1e-7, 0.1);
     checkRange("Growth Ratio", options.growthRatio, 1.02, 2.0);
-    checkRange("Span", options.shape.span, 2.0, 6.0);
-    checkRange("Sweep Angle", options.shape.sweepAngle, 0.0, 45.0);
     const int n = options.resolution;
     const double ratio = options.growthRatio;
 
@@ -101,8 +78,9 @@ struct Plan
     if (first > outer)
     {
       std::ostringstream text;
-      text << "is larger than the outer cells, " << outer << " high at the Resolution " << n << "; lower one of them";
-      fail("First Layer Height", first, text.str());
+      text << "First Layer Height " << first << " is larger than the outer cells, " << outer
+           << " high at the Resolution " << n << "; lower one of them";
+      throw Error(text.str());
     }
     const int third = std::max(1, static_cast<int>(std::ceil(std::log(outer / first) / std::log(ratio) / 3.0)));
     const int growing = 3 * third;
@@ -118,13 +96,14 @@ struct Plan
     const double extensionGrowth = 2.5 / n;
     const auto extension = [&](double step) {
       const double distance = options.farFieldDistance;
-      const int count =
-        std::max(2, static_cast<int>(std::ceil(std::log1p(distance / step * std::expm1(extensionGrowth)) / extensionGrowth)));
-      return growingSteps(step, count, 0, distance);
+      const double count = std::log1p(distance / step * std::expm1(extensionGrowth)) / extensionGrowth;
+      return growingSteps(step, std::max(2, static_cast<int>(std::ceil(count))), 0, distance);
     };
-    const double tip = -0.4 + options.shape.span * std::tan(options.shape.sweepAngle * std::acos(-1.0) / 180.0);
+    // The fuselage ends at x = -3 and 3; the trailing edge of the tip is near quarter chord + 0.6.
+    const double sweep = std::tan(options.shape.sweepAngle * std::acos(-1.0) / 180.0);
+    const double tip = -0.4 + options.shape.span * sweep + 0.6;
     const double margin = 3.0;
-    const double ends[2] = { -3.0 - margin, std::max(3.0, tip + 0.6) + margin };
+    const double ends[2] = { -3.0 - margin, std::max(3.0, tip) + margin };
     const int ahead = std::max(1, n / 2);
     const double aheadLength = 1.0;
 
@@ -153,39 +132,43 @@ struct Plan
     return { a, patch == 8 ? this->cells(0, 2) : this->cells(1, patch / 4) };
   }
 
-  /// Point of the box above a patch, and the sum of the normals of the box's sides there, fading out away from its edges.
-  void boxPoint(int patch, int i, int j, Vec3& point, Vec3& outward) const
+  /// Point of the box above a point of a patch.
+  Vec3 boxPoint(int patch, int i, int j) const
   {
-    const auto [na, nb] = this->patchCells(patch);
+    const int last = this->patchCells(patch)[0];
     const Steps& x = this->coordinates[0];
     const Steps& y = this->coordinates[1];
     const Steps& z = this->coordinates[2];
-    const int x0 = this->start[0][2], x1 = this->start[0][3], z0 = this->start[2][1], z1 = this->start[2][2];
-    const int row = patch < 8 ? this->start[1][patch / 4] + j : this->start[1][2];
-    const int column = patch == 8 ? j : patch % 4 == 1 ? i : na - i;
-    const int level = patch == 8 || patch % 4 == 0 ? i : na - i;
-    switch (patch == 8 ? 4 : patch % 4)
+    const int front = this->start[0][2], rear = this->start[0][3], bottom = this->start[2][1], top = this->start[2][2];
+    if (patch == 8)
+    {
+      return { x[front + j], y[this->start[1][2]], z[bottom + i] };
+    }
+    const double span = y[this->start[1][patch / 4] + j];
+    switch (patch % 4)
     {
       case 0:
-        point = { x[x0], y[row], z[z0 + level] };
-        break;
+        return { x[front], span, z[bottom + i] };
       case 1:
-        point = { x[x0 + column], y[row], z[z1] };
-        break;
+        return { x[front + i], span, z[top] };
       case 2:
-        point = { x[x1], y[row], z[z0 + level] };
-        break;
-      case 3:
-        point = { x[x0 + column], y[row], z[z0] };
-        break;
+        return { x[rear], span, z[bottom + last - i] };
       default:
-        point = { x[x0 + column], y[row], z[z0 + level] };
+        return { x[front + last - i], span, z[bottom] };
     }
-    (void)nb;
-    const Vec3 low(x[x0], 0.0, z[z0]), high(x[x1], y[this->start[1][2]], z[z1]);
-    const auto odd = [](double t) { return t * t * t; };
-    outward = { odd((2.0 * point[0] - low[0] - high[0]) / (high[0] - low[0])), odd(point[1] / high[1]),
-      odd((2.0 * point[2] - low[2] - high[2]) / (high[2] - low[2])) };
+  }
+
+  /// Sum of the normals of the sides of the box at a point of it, those of the others fading out with the distance.
+  Vec3 boxNormal(const Vec3& point) const
+  {
+    const auto cube = [](double t) { return t * t * t; };
+    const auto position = [&](int d, int first, int last) {
+      const double low = this->coordinates[d][first], high = this->coordinates[d][last];
+      return (2.0 * point[d] - low - high) / (high - low);
+    };
+    return { cube(position(0, this->start[0][2], this->start[0][3])),
+      cube(point[1] / this->coordinates[1][this->start[1][2]]),
+      cube(position(2, this->start[2][1], this->start[2][2])) };
   }
 
   /// Of the lines from the body to the box, as the distance from the wall that they would have without bending.
@@ -222,16 +205,10 @@ private:
   }
 };
 
-/// Block of the lattice of coordinates by its parts along x, y, z.
-struct LatticeBlock
+/// Blocks 36..78, in their order, as the parts of the coordinates along x, y, z that they cover.
+std::vector<Ijk> latticeBlocks()
 {
-  Ijk part;
-};
-
-/// Blocks 36..78, in their order.
-std::vector<LatticeBlock> latticeBlocks()
-{
-  std::vector<std::vector<LatticeBlock>> byContact(4);
+  std::vector<std::vector<Ijk>> byContact(4);
   for (int c = 0; c < 3; ++c)
   {
     for (int b = 0; b < 3; ++b)
@@ -242,12 +219,12 @@ std::vector<LatticeBlock> latticeBlocks()
         const int outside = (a == 0 || a == 4) + (b == 2) + (c != 1);
         if (outside > 0 || a != 2)
         {
-          byContact[outside].push_back({ { a, b, c } });
+          byContact[outside].push_back({ a, b, c });
         }
       }
     }
   }
-  std::vector<LatticeBlock> blocks;
+  std::vector<Ijk> blocks;
   for (const auto& some : byContact)
   {
     blocks.insert(blocks.end(), some.begin(), some.end());
@@ -303,12 +280,12 @@ std::vector<std::array<int, 8>> blockCorners()
       corners.push_back(own);
     }
   }
-  for (const LatticeBlock& block : latticeBlocks())
+  for (const Ijk& part : latticeBlocks())
   {
     std::array<int, 8> own;
     for (int v = 0; v < 8; ++v)
     {
-      own[v] = latticeVertex(block.part[0] + (v & 1), block.part[1] + (v >> 1 & 1), block.part[2] + (v >> 2));
+      own[v] = latticeVertex(part[0] + (v & 1), part[1] + (v >> 1 & 1), part[2] + (v >> 2));
     }
     corners.push_back(own);
   }
@@ -416,19 +393,18 @@ WingFuselageLayout layoutOf(const Plan& plan)
     const auto cells = plan.patchCells(p);
     for (int layer = 0; layer < LayersPerPatch; ++layer)
     {
-      layout.counts.push_back(
-        { cells[0] + 1, cells[1] + 1, plan.layerStart[layer + 1] - plan.layerStart[layer] + 1 });
+      layout.counts.push_back({ cells[0] + 1, cells[1] + 1, plan.layerStart[layer + 1] - plan.layerStart[layer] + 1 });
       layout.names.push_back(std::string(PatchNames[p]) + "_" + std::to_string(layer));
     }
   }
-  for (const LatticeBlock& block : latticeBlocks())
+  for (const Ijk& part : latticeBlocks())
   {
     Ijk counts;
     std::string name = layout.counts.size() < 40 ? "box" : "extension";
     for (int d = 0; d < 3; ++d)
     {
-      counts[d] = plan.cells(d, block.part[d]) + 1;
-      name += "_" + std::to_string(block.part[d]);
+      counts[d] = plan.cells(d, part[d]) + 1;
+      name += "_" + std::to_string(part[d]);
     }
     layout.counts.push_back(counts);
     layout.names.push_back(name);
@@ -507,8 +483,7 @@ private:
       const int last = this->Layout.patchCells(seam.first.patch)[1 - seam.first.side / 2];
       for (int n = 0; n <= last; ++n)
       {
-        sets.unite(
-          this->sideIndex(seam.first, n), this->sideIndex(seam.second, seam.reversed ? last - n : n));
+        sets.unite(this->sideIndex(seam.first, n), this->sideIndex(seam.second, seam.reversed ? last - n : n));
       }
     }
     this->Shared.resize(count);
@@ -533,8 +508,8 @@ private:
     return products.inverse() * sum;
   }
 
-  /// First at the corners of the patches, then along their seams, then inside: what a corner or a seam adds to the normals
-  /// of the next larger entity fades out along it.
+  /// First at the corners of the patches, then along their seams, then inside: what a corner or a seam adds to the
+  /// normals of the next larger entity fades out along it.
   void makeDirections(const std::vector<Vec3>& normals)
   {
     const auto fade = [](double t) { return (1.0 - t) * (1.0 - t); };
@@ -621,7 +596,7 @@ private:
     }
   }
 
-  /// Makes the points the control mesh whose limit points they were: on a shell of one layer of cells.
+  /// Makes the points the control mesh of a surface through them: on a shell of one layer of cells.
   void fit(const Execution& run)
   {
     // Thin, as its cells must be valid at the trailing edge too.
@@ -653,8 +628,7 @@ private:
     }
     shell.boundaryNames = { "wall", "symmetry", "outside" };
     shell.interfaces = contacts(corners, counts, [&](int block, int face) {
-      shell.boundaries.push_back(
-        { block, face, wholeFace(counts[block], face), face == 4 ? 0 : face == 2 ? 1 : 2 });
+      shell.boundaries.push_back({ block, face, wholeFace(counts[block], face), face == 4 ? 0 : face == 2 ? 1 : 2 });
     });
     shell.creases = creaseLines(this->Layout, [](int patch) { return patch; });
 
@@ -685,8 +659,7 @@ private:
 };
 
 /// Writes layers layerStart[layer].. of the lines above a patch.
-void columnPoints(
-  const Plan& plan, const Wall& wall, int patch, int layer, double* points, const Execution& run)
+void columnPoints(const Plan& plan, const Wall& wall, int patch, int layer, double* points, const Execution& run)
 {
   const auto cells = plan.patchCells(patch);
   const int first = plan.layerStart[layer];
@@ -700,8 +673,7 @@ void columnPoints(
       const double t = plan.layers[k] / plan.layers.back();
       for (int i = 0; i <= cells[0]; ++i)
       {
-        Vec3 box, outward;
-        plan.boxPoint(patch, i, j, box, outward);
+        const Vec3 box = plan.boxPoint(patch, i, j);
         const Vec3& start = wall.point(patch, i, j);
         Vec3 x = start;
         if (k + 1 == static_cast<int>(plan.layers.size()))
@@ -711,7 +683,7 @@ void columnPoints(
         else if (k > 0)
         {
           x += WallReach * t * (1.0 - t) * (1.0 - t) * wall.direction(patch, i, j) +
-            t * t * (3.0 - 2.0 * t) * (box - start) - BoxReach * t * t * (1.0 - t) * outward;
+            t * t * (3.0 - 2.0 * t) * (box - start) - BoxReach * t * t * (1.0 - t) * plan.boxNormal(box);
         }
         std::copy_n(x.data(), 3, points + 3 * (i + (cells[0] + 1) * row));
       }
@@ -747,15 +719,15 @@ void wingFuselagePoints(const WingFuselageOptions& options, const std::vector<Bo
     run.report(double(block) / static_cast<double>(blocks.size()));
     columnPoints(plan, wall, block / LayersPerPatch, block % LayersPerPatch, blocks[block], run);
   }
-  for (const LatticeBlock& lattice : latticeBlocks())
+  for (const Ijk& part : latticeBlocks())
   {
     run.report(double(block) / static_cast<double>(blocks.size()));
     double* points = blocks[block++];
     Ijk start, counts;
     for (int d = 0; d < 3; ++d)
     {
-      start[d] = plan.start[d][lattice.part[d]];
-      counts[d] = plan.cells(d, lattice.part[d]) + 1;
+      start[d] = plan.start[d][part[d]];
+      counts[d] = plan.cells(d, part[d]) + 1;
     }
     run.parallelFor(Index(counts[1]) * counts[2], 8, [&](Index begin, Index end) {
       for (Index row = begin; row < end; ++row)
