@@ -281,8 +281,12 @@ def main():
     print("spans: %d, proven valid: %d, smallest scaled Jacobian %.3f" %
           (quality.NumberOfSpans, quality.NumberOfValidSpans, quality.MinimumScaledJacobian))
     smoothness = measured(pv.BSplineVolumeSmoothness(Input=volume))
-    print("interfaces: %d, largest gap %g, largest normal jump at smooth borders of the wall %.3g degrees" %
-          (smoothness.NumberOfInterfaces, smoothness.MaximumGap, smoothness.MaximumNormalJump))
+    joins = smoothness.GetClientSideObject().GetOutputDataObject(2)
+    turns = vtk_to_numpy(joins.GetColumnByName("MaximumNormalJump"))[
+        [kind == "wall border" for kind in strings(joins.GetRowData(), "Kind")]]
+    print("interfaces: %d, largest gap %g; borders of the wall's patches that turn by less than 10 degrees: %d, by at "
+          "most %.3g degrees" % (smoothness.NumberOfInterfaces, smoothness.MaximumGap, (turns < 10).sum(),
+                                 turns[turns < 10].max()))
     deviation = measured(pv.BodyDeviation(Input=volume, Body=body, Level=2))
     print("distance of the converted body from the NURBS surface: largest %.3g, root mean square %.3g" %
           (deviation.MaximumDistance, deviation.RMSDistance))
