@@ -70,8 +70,7 @@ Eigen::Vector4d homogeneous(const BSplineVolume& volume, const Vec3& uvw, const 
       {
         const double weight = volume.weights ? volume.weights[at] : 1.0;
         const double* point = volume.points + 3 * at;
-        row += basis[0].values[a] *
-          Eigen::Vector4d(weight * point[0], weight * point[1], weight * point[2], weight);
+        row += basis[0].values[a] * Eigen::Vector4d(weight * point[0], weight * point[1], weight * point[2], weight);
       }
       layer += basis[1].values[b] * row;
     }
@@ -171,6 +170,23 @@ void checkBSplineVolume(const BSplineVolume& volume, const std::string& name)
       }
     }
   }
+}
+
+std::vector<double> homogeneousNet(const BSplineVolume& volume)
+{
+  const Index points = Index(volume.count(0)) * volume.count(1) * volume.count(2);
+  std::vector<double> net;
+  net.reserve(4 * points);
+  for (Index i = 0; i < points; ++i)
+  {
+    const double weight = volume.weights ? volume.weights[i] : 1.0;
+    for (int c = 0; c < 3; ++c)
+    {
+      net.push_back(weight * volume.points[3 * i + c]);
+    }
+    net.push_back(weight);
+  }
+  return net;
 }
 
 void basisFunctions(int degree, int order, const double* left, const double* right, double* values)

@@ -55,6 +55,9 @@ std::vector<int> nonEmptySpans(int degree, const std::vector<double>& knots);
 /// than degree times (the volume would be torn there), and all weights are finite and positive.
 void checkBSplineVolume(const BSplineVolume& volume, const std::string& name);
 
+/// w x, w y, w z and w of every control point, with w = 1 in a polynomial volume.
+std::vector<double> homogeneousNet(const BSplineVolume& volume);
+
 /// The `degree` + 1 B-splines that are not zero on one span, or their derivatives, at one parameter u.
 ///
 /// The knots are given by their distances to u: left[j] = u - t(s + 1 - j) and right[j] = t(s + j) - u for j

@@ -43,6 +43,9 @@ Converted convert(const bsv::BlockMesh& mesh, const bsv::ConversionOptions& opti
 
 void convertComplex(Converted& result, const bsv::ConversionOptions& options, const bsv::Execution& run)
 {
+  result.points.clear();
+  result.rules.clear();
+  result.volumes.clear();
   std::vector<bsv::ControlNetStorage> nets;
   for (const bsv::ComplexBlock& block : result.complex.blocks)
   {
