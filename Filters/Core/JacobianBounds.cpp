@@ -802,6 +802,7 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
   for (Index start = 0; start < total; start += piece)
   {
     run.report(static_cast<double>(start) / static_cast<double>(total));
+    const std::ptrdiff_t kept = static_cast<std::ptrdiff_t>(report.witnesses.size());
     run.parallelFor(std::min(piece, total - start), 512, [&](Index begin, Index end) {
       Chunk chunk{ volume, directions, options, arrays, {} };
       ChunkWorker worker(chunk);
@@ -820,8 +821,7 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
         report.lowestSpan = part.lowestSpan;
       }
     });
-    // All pieces before this one are complete.
-    std::sort(report.witnesses.begin(), report.witnesses.end(),
+    std::sort(report.witnesses.begin() + kept, report.witnesses.end(),
       [](const JacobianWitness& a, const JacobianWitness& b) { return a.span < b.span; });
     if (static_cast<Index>(report.witnesses.size()) > options.maxWitnesses)
     {

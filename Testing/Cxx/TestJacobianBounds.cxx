@@ -786,6 +786,23 @@ TEST(JacobianBounds, DepthOnlyDecidesMore)
   EXPECT_EQ(before, 0);
 }
 
+TEST(JacobianBounds, KeepsTheFirstWitnesses)
+{
+  std::mt19937 random(16);
+  const Block block = cubicBlock(random, { 12, 12, 12 }, 0.6);
+  const Measured all = measure(block);
+  ASSERT_GT(all.report.invalid, 20);
+  JacobianOptions options;
+  options.maxWitnesses = 10;
+  const JacobianReport some = jacobianBounds(block.view(), "block", options, {}, scrambledExecution());
+  EXPECT_EQ(some.invalid, all.report.invalid);
+  ASSERT_EQ(some.witnesses.size(), 10U);
+  for (std::size_t w = 0; w < some.witnesses.size(); ++w)
+  {
+    EXPECT_EQ(some.witnesses[w].span, all.report.witnesses[w].span);
+  }
+}
+
 TEST(JacobianBounds, RefusesWhatItCannotMeasure)
 {
   std::mt19937 random(14);
