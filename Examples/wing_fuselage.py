@@ -154,7 +154,7 @@ def new_view(towards, center, height):
 def draw_body(mesh, volume, samples, path):
     """B-spline body blue, control net green with yellow points, mesh black, creases yellow, borders of patches bold."""
     towards = np.array([-0.5, 0.62, 0.6])
-    view = new_view(towards, [0.05, 1.3, 0.4], 2.05)
+    view = new_view(towards, [0.05, 1.3, 0.65], 2.0)
 
     def raised(lines, height):
         # Towards the eye, or the surface hides parts of what lies on it.
