@@ -44,8 +44,6 @@ void Converter::convertFace(int face)
 {
   const ComplexFace& shared = this->Complex.faces[face];
   const FaceRule& faceRule = this->Rules.faces[face];
-  const bool wall = this->isWall(face);
-  const double near = wall ? this->Options.wallSpacing : KnotInsertion;
 
   struct Side
   {
@@ -88,8 +86,14 @@ void Converter::convertFace(int face)
     {
       const Vec3 own = sides[0].owner->points(sides[0].mesh(s, t, 0));
       const Vec3 inner = sides[0].owner->points(sides[0].mesh(s, t, 1));
-      this->write(sides[0].block, sides[0].net(s, t, 1), insertMask(own, inner, near),
-        wall ? ControlPointRule::WallLayer : ControlPointRule::Regular);
+      const auto insert = [&](const Side& side, const std::array<int, 2>& st, const Vec3& above) {
+        const double near = this->Layer.weight(side.block, side.face, side.mesh(st[0], st[1], 0));
+        const bool regular = near == KnotInsertion && !this->isWall(face);
+        const ControlPointRule rule =
+          regular ? ControlPointRule::Regular : layerRule(this->Rules.boundaryRule(face));
+        this->write(side.block, side.net(st[0], st[1], 1), insertMask(own, above, near), rule);
+      };
+      insert(sides[0], { s, t }, inner);
       if (shared.boundary())
       {
         this->write(sides[0].block, sides[0].net(s, t, 0), own, this->Rules.boundaryRule(face));
@@ -104,8 +108,7 @@ void Converter::convertFace(int face)
                                                       : ControlPointRule::Regular;
       this->write(sides[0].block, sides[0].net(s, t, 0), middle, rule);
       this->write(sides[1].block, sides[1].net(st[0], st[1], 0), middle, rule);
-      this->write(
-        sides[1].block, sides[1].net(st[0], st[1], 1), insertMask(own, across, near), ControlPointRule::Regular);
+      insert(sides[1], st, across);
     }
   }
 }
@@ -120,6 +123,28 @@ ConversionReport Converter::convert()
   {
     firstSlab.push_back(firstSlab.back() + std::max(0, block.cells(2) - 1));
   }
+  std::vector<bool> atWall(this->Complex.vertices.size(), !this->Options.wallOnly);
+  if (this->Options.wallOnly)
+  {
+    for (const ComplexFace& face : this->Complex.faces)
+    {
+      const FaceUse& use = face.uses.front();
+      for (int corner = 0; corner < 4 && roleOf(this->Options, face) == BoundaryRole::Body; ++corner)
+      {
+        atWall[this->Complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]] = true;
+      }
+    }
+  }
+  const auto touchesWall = [&](const ComplexFace& face) {
+    const FaceUse& use = face.uses.front();
+    bool touches = false;
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      touches =
+        touches || atWall[this->Complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]];
+    }
+    return touches;
+  };
   const auto forEach = [&](std::size_t count, Index grain, const auto& body) {
     this->Run.parallelFor(static_cast<Index>(count), grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
@@ -130,7 +155,7 @@ ConversionReport Converter::convert()
   };
   // Large meshes are copied in portions, so that progress is told and an abort is heard.
   constexpr Index Portions = 20;
-  const Index slabs = firstSlab.back();
+  const Index slabs = this->Options.wallOnly ? 0 : firstSlab.back();
   for (Index portion = 0; portion < Portions; ++portion)
   {
     const Index from = slabs * portion / Portions;
@@ -146,17 +171,34 @@ ConversionReport Converter::convert()
     });
   }
   this->Run.report(0.5);
-  forEach(this->Complex.faces.size(), 4, [&](int face) { this->convertFace(face); });
+  forEach(this->Complex.faces.size(), 4, [&](int face) {
+    if (touchesWall(this->Complex.faces[face]))
+    {
+      this->convertFace(face);
+    }
+  });
   this->Run.report(0.7);
-  forEach(this->Complex.edges.size(), 4, [&](int edge) { this->convertEdge(edge); });
+  forEach(this->Complex.edges.size(), 4, [&](int edge) {
+    const std::array<int, 2>& ends = this->Complex.edges[edge].vertices;
+    if (atWall[ends[0]] || atWall[ends[1]])
+    {
+      this->convertEdge(edge);
+    }
+  });
   this->Run.report(0.85);
-  forEach(this->Complex.vertices.size(), 4, [&](int vertex) { this->convertVertex(vertex); });
+  forEach(this->Complex.vertices.size(), 4, [&](int vertex) {
+    if (atWall[vertex])
+    {
+      this->convertVertex(vertex);
+    }
+  });
   this->Run.report(0.95);
 
   ConversionReport report;
   report.singularNodes = this->SingularNodes;
   report.planarFaces = this->Rules.planarFaces;
-  for (std::size_t b = 0; b < this->Complex.blocks.size(); ++b)
+  this->Layer.describe(report);
+  for (std::size_t b = 0; b < this->Complex.blocks.size() && !this->Options.wallOnly; ++b)
   {
     const ComplexBlock& block = this->Complex.blocks[b];
     const Index count = Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
@@ -172,17 +214,13 @@ ConversionReport Converter::convert()
 const std::vector<std::string>& controlPointRuleNames()
 {
   static const std::vector<std::string> names{ "Copied", "Regular", "Boundary", "Symmetry", "PlanarSide", "Body",
-    "BodyExtraordinaryVertex", "Crease", "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer" };
+    "BodyExtraordinaryVertex", "Crease", "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer", "FarFieldLayer" };
   return names;
 }
 
 ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
   const std::vector<ControlNetStorage>& nets, const Execution& run)
 {
-  if (!(options.wallSpacing > 0.0 && options.wallSpacing < 1.0))
-  {
-    throw Error("Wall Spacing " + text(options.wallSpacing) + " is not between 0 and 1, both excluded");
-  }
   if (!(options.planarTolerance >= 0.0))
   {
     throw Error("Planar Tolerance " + text(options.planarTolerance) + " is not at least 0");

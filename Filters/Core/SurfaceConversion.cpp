@@ -22,7 +22,7 @@ void Converter::convertSurface(Star& star) const
   std::vector<int> features;
   std::vector<bool> kept, planar;
   std::vector<SpokeKeep> keeps;
-  bool body = true;
+  bool body = true, wall = false;
   for (int i = 0; i < n; ++i)
   {
     fan.spokes.push_back(star.edges[spokes[i]].point);
@@ -46,10 +46,16 @@ void Converter::convertSurface(Star& star) const
       keeps.back().step = this->spokeKeeps(edgeFan, edge.end == 0 ? 1 : cells - 1)[1].center;
     }
     body = body && this->isWall(star.faces[sectors[i]].face);
+    wall = wall || this->isWall(star.faces[sectors[i]].face);
   }
 
+  // Where the side of a far-field extension ends in a symmetry plane or another boundary, it keeps its points.
+  const bool connection = !wall && std::any_of(star.faces.begin(), star.faces.end(), [&](const VertexStar::Face& face) {
+    return this->Rules.faces[face.face].connection;
+  });
+
   Fan result = fan;
-  if (planar == std::vector<bool>(n, true))
+  if (connection || planar == std::vector<bool>(n, true))
   {
     star.rule = ControlPointRule::PlanarSide;
     result = creasedFan(fan, {}, kept, planar, this->Options.twist, weights, keeps).points;
