@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 namespace bsv
 {
@@ -113,9 +114,72 @@ void Converter::convertFace(int face)
   }
 }
 
+void Converter::placeExtension()
+{
+  if (this->Options.farFieldSpacing == FarFieldSpacing::Off)
+  {
+    return;
+  }
+  // What lies on the cuboid's side of a connection layer does not depend on the extension.
+  std::set<int> faces, edges, vertices;
+  for (const FarFieldSide& side : this->Rules.farField)
+  {
+    for (std::size_t i = 0; i < side.faces.size(); ++i)
+    {
+      const ComplexBlock& block = this->Complex.blocks[side.inner[i].block];
+      const int face = side.inner[i].face;
+      faces.insert(side.faces[i]);
+      for (int n = 0; n < 4; ++n)
+      {
+        edges.insert(block.edges[faceEdge(face, n & 1, n >> 1)]);
+        vertices.insert(block.vertices[faceCorner(face, n & 1, n >> 1)]);
+      }
+    }
+  }
+  const auto forEach = [&](const std::set<int>& set, const auto& body) {
+    const std::vector<int> list(set.begin(), set.end());
+    this->Run.parallelFor(static_cast<Index>(list.size()), 4, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+      {
+        body(list[i]);
+      }
+    });
+  };
+  forEach(faces, [&](int face) { this->convertFace(face); });
+  forEach(edges, [&](int edge) { this->convertEdge(edge); });
+  forEach(vertices, [&](int vertex) { this->convertVertex(vertex); });
+  this->SingularNodes = 0;
+
+  const auto lastDistance = [&](const FaceUse& use, int s, int t, const Vec3& normal) {
+    const ComplexBlock& owner = this->Complex.blocks[use.block];
+    const int st[2] = { s, t };
+    Ijk position;
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      const int d = faceAxis(use.face, axis);
+      position[d] = st[axis] == 0 ? 0 : st[axis] == owner.cells(d) ? owner.cells(d) + 2 : innerPosition(st[axis]);
+    }
+    const int d = faceDirection(use.face);
+    const auto point = [&](int fromEnd) {
+      position[d] = endPosition(faceSide(use.face), fromEnd, owner.cells(d));
+      return Vec3(Eigen::Map<const Vec3>(this->Nets[use.block].points + 3 * this->index(use.block, position)));
+    };
+    const Vec3 last = point(0);
+    return normal.dot(last - point(1));
+  };
+  for (const FarFieldSide& side : this->Rules.farField)
+  {
+    this->Layer.setSide(side, this->Options.farFieldSpacing, lastDistance);
+  }
+}
+
 ConversionReport Converter::convert()
 {
   this->propagateFeet();
+  if (!this->Options.wallOnly)
+  {
+    this->placeExtension();
+  }
 
   // Slabs of all blocks as one list, so that a few large blocks share the threads as well as many small ones.
   std::vector<Index> firstSlab{ 0 };

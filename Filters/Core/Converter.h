@@ -51,13 +51,16 @@ public:
     , Nets(nets)
     , Run(run)
     , Rules(classify(complex, options, run))
-    , Layer(complex, options, this->Rules.farField, options.planarSides != PlanarSides::None)
+    , Layer(complex, options)
   {
   }
 
   ConversionReport convert();
 
 private:
+  /// Converts the sides to which a far-field extension is attached, and places the extension's first layer after them.
+  void placeExtension();
+
   struct Star;
   struct StackAxes;
 
@@ -148,7 +151,7 @@ private:
   const std::vector<ControlNetStorage>& Nets;
   const Execution& Run;
   const EntityRules Rules;
-  const FirstLayer Layer;
+  FirstLayer Layer;
   /// Added to the control points of the layers across an edge: `delta`, in the order of the edge's fan, by a weight per
   /// layer.
   struct Correction

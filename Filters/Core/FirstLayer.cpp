@@ -142,18 +142,10 @@ double matchingSpacing(double growth)
 
 } // namespace
 
-FirstLayer::FirstLayer(const BlockComplex& complex, const ConversionOptions& options,
-  const std::vector<FarFieldSide>& sides, bool planarSides)
+FirstLayer::FirstLayer(const BlockComplex& complex, const ConversionOptions& options)
   : Complex(complex)
   , Weights(complex.blocks.size())
 {
-  if (planarSides && options.farFieldSpacing != FarFieldSpacing::Off)
-  {
-    for (const FarFieldSide& side : sides)
-    {
-      this->setSide(side, options.farFieldSpacing);
-    }
-  }
   this->setWalls(options);
 }
 
@@ -250,9 +242,8 @@ void FirstLayer::setWalls(const ConversionOptions& options)
   }
 }
 
-void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing)
+void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, const LastDistance& lastDistance)
 {
-  // The last inserted layer of the cuboid is p_{K-1/3} = (2 p_K + p_{K-1}) / 3.
   PointValues distances;
   for (std::size_t i = 0; i < side.faces.size(); ++i)
   {
@@ -260,7 +251,7 @@ void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing)
     {
       const FaceLines lines(this->Complex, side.inner[i]);
       lines.forAll([&](int s, int t) {
-        distances.add(lines.point(s, t, 0), side.normal.dot(lines.point(s, t, 0) - lines.point(s, t, 1)) / 3.0);
+        distances.add(lines.point(s, t, 0), lastDistance(side.inner[i], s, t, side.normal));
       });
     }
   }

@@ -11,6 +11,7 @@
 #include "FarField.h"
 
 #include <array>
+#include <functional>
 #include <vector>
 
 namespace bsv
@@ -22,9 +23,15 @@ constexpr double KnotInsertion = 2.0 / 3.0;
 class FirstLayer
 {
 public:
+  /// Walls only.
   /// @throws Error for a c that is not between 0 and 1.
-  FirstLayer(const BlockComplex& complex, const ConversionOptions& options, const std::vector<FarFieldSide>& sides,
-    bool planarSides);
+  FirstLayer(const BlockComplex& complex, const ConversionOptions& options);
+
+  /// Height of the last inserted control point over the last one at mesh point (s, t) of a block face, along the normal.
+  using LastDistance = std::function<double(const FaceUse& use, int s, int t, const Vec3& normal)>;
+
+  /// The extension beyond a side; `spacing` is not Off.
+  void setSide(const FarFieldSide& side, FarFieldSpacing spacing, const LastDistance& lastDistance);
 
   /// c of the line that leaves a block's face into the block at one of the face's mesh points.
   double weight(int block, int face, const Ijk& point) const
@@ -45,7 +52,6 @@ public:
 
 private:
   void setWalls(const ConversionOptions& options);
-  void setSide(const FarFieldSide& side, FarFieldSpacing spacing);
 
   const BlockComplex& Complex;
   /// Per block and face: nothing for 2/3, one value, or one per mesh point of the face in its axes, s fastest.
