@@ -192,10 +192,12 @@ ConversionReport Converter::convert()
   {
     for (const ComplexFace& face : this->Complex.faces)
     {
-      const FaceUse& use = face.uses.front();
-      for (int corner = 0; corner < 4 && roleOf(this->Options, face) == BoundaryRole::Body; ++corner)
+      if (roleOf(this->Options, face) == BoundaryRole::Body)
       {
-        atWall[this->Complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]] = true;
+        for (const int vertex : this->Complex.blocks[face.uses.front().block].vertices)
+        {
+          atWall[vertex] = true;
+        }
       }
     }
   }

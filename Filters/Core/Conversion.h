@@ -114,7 +114,8 @@ struct ConversionOptions
   /// they have precedence over `body`.
   std::vector<const double*> projectedPoints;
   std::vector<const double*> surfaceNormals;
-  /// Compute the control points of faces, edges and vertices that touch the wall only, and leave all others as they are.
+  /// Compute only control points on faces, edges and vertices that touch blocks at the wall, and leave all others as they
+  /// are; no far-field spacing, no counts.
   bool wallOnly = false;
 };
 

@@ -74,7 +74,8 @@ struct Ratio
 {
   double largest = 0.0;
   double mean = 0.0;
-  /// Largest where the first cell of the extension's mesh and the cells before it have at most a given ratio.
+  /// Largest away from the cuboid's edges where the first cell of the extension's mesh and the cells before it have at
+  /// most a given ratio.
   double allowed = 0.0;
   int allowedColumns = 0;
   int columns = 0;
@@ -134,7 +135,16 @@ Ratio cellRatio(const Converted& converted, int level, double most)
           // The extension's own first cell against what the cells before it grow by.
           const double inner = (innerFirst ? height(a, s, t) : height(b, st[0], st[1])) / step;
           const double outer = innerFirst ? cell(b, st[0], st[1]) : cell(a, s, t);
-          if (ratioOf(inner, outer) <= most)
+          // At the edges of the cuboid, and next to them, its layers follow the rules of its extraordinary edges.
+          const bsv::ComplexBlock& block = converted.complex.blocks[a.block];
+          const Vec3 x = block.points(
+            bsv::facePoint({ block.cells(0), block.cells(1), block.cells(2) }, a.face, s, t));
+          int near = 0;
+          for (int d = 0; d < 3; ++d)
+          {
+            near += Size[d] - std::abs(x[d]) < 1.01 * (d == 2 ? 1.0 : 2.0) / Cells ? 1 : 0;
+          }
+          if (near == 1 && ratioOf(inner, outer) <= most)
           {
             ratio.allowed = std::max(ratio.allowed, r);
             ++ratio.allowedColumns;
