@@ -81,8 +81,8 @@ public:
         }
       }
     }
-    std::vector<Candidate> chosen = this->innermost(candidates);
-    if (!this->isCuboid(chosen))
+    std::vector<Candidate> chosen = this->outermost(candidates);
+    if (!this->hasIrregularEdge(chosen) || !this->isCuboid(chosen))
     {
       return {};
     }
@@ -292,62 +292,34 @@ private:
     return result;
   }
 
-  /// Per direction the innermost plane beyond which all blocks lie in whole layers.
-  std::vector<Candidate> innermost(std::vector<Candidate>& candidates) const
+  /// Per direction the outermost plane, if all blocks beyond it reach from it to the outer boundary.
+  std::vector<Candidate> outermost(const std::vector<Candidate>& candidates) const
   {
     std::vector<Candidate> chosen;
-    std::vector<bool> done(candidates.size(), false);
-    for (std::size_t i = 0; i < candidates.size(); ++i)
+    for (const Candidate& candidate : candidates)
     {
-      std::vector<Candidate*> parallel;
-      for (std::size_t j = i; j < candidates.size(); ++j)
-      {
-        if (!done[j] && candidates[i].plane.normal.dot(candidates[j].plane.normal) > 1.0 - AngleTolerance)
-        {
-          done[j] = true;
-          parallel.push_back(&candidates[j]);
-        }
-      }
-      std::sort(parallel.begin(), parallel.end(), [](const Candidate* a, const Candidate* b) {
-        return a->plane.height(b->plane.origin) > 0.0;
+      const bool last = std::none_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
+        return other.plane.normal.dot(candidate.plane.normal) > 1.0 - AngleTolerance &&
+          candidate.plane.height(other.plane.origin) > this->Tolerance;
       });
-      const Candidate* best = nullptr;
-      for (std::size_t n = parallel.size(); n-- > 0;)
+      if (last && this->isLayer(candidate))
       {
-        const Candidate* next = n + 1 < parallel.size() ? parallel[n + 1] : nullptr;
-        if (!this->isLayer(*parallel[n], next))
-        {
-          break;
-        }
-        best = parallel[n];
-      }
-      if (best)
-      {
-        chosen.push_back(*best);
+        chosen.push_back(candidate);
       }
     }
     return chosen;
   }
 
-  /// Whether each block between two planes reaches from one to the other; without a second plane to the boundary.
-  bool isLayer(const Candidate& from, const Candidate* to) const
+  bool isLayer(const Candidate& side) const
   {
-    const auto has = [](const std::vector<int>& faces, int face) {
-      return std::binary_search(faces.begin(), faces.end(), face);
-    };
     for (std::size_t b = 0; b < this->Complex.blocks.size(); ++b)
     {
-      if (!from.outside[b] || (to && to->outside[b]))
+      bool reaches = side.outside[b] == 0;
+      for (int f = 0; f < 6 && !reaches; ++f)
       {
-        continue;
-      }
-      bool reaches = false;
-      for (int f = 0; f < 6; ++f)
-      {
-        const int face = this->Complex.blocks[b].faces[f];
-        const int opposite = this->Complex.blocks[b].faces[f ^ 1];
-        reaches = reaches || (has(from.side.faces, face) &&
-          (to ? has(to->side.faces, opposite) : this->Complex.faces[opposite].boundary()));
+        const std::array<int, 6>& faces = this->Complex.blocks[b].faces;
+        reaches = std::binary_search(side.side.faces.begin(), side.side.faces.end(), faces[f]) &&
+          this->Complex.faces[faces[f ^ 1]].boundary();
       }
       if (!reaches)
       {
@@ -355,6 +327,27 @@ private:
       }
     }
     return true;
+  }
+
+  /// Whether an edge in one of the planes is not as in a grid.
+  bool hasIrregularEdge(const std::vector<Candidate>& sides) const
+  {
+    for (const Candidate& side : sides)
+    {
+      for (const FaceUse& use : side.side.inner)
+      {
+        for (int n = 0; n < 4; ++n)
+        {
+          const int number = this->Complex.blocks[use.block].edges[faceEdge(use.face, n & 1, n >> 1)];
+          const ComplexEdge& edge = this->Complex.edges[number];
+          if (edge.valence() != (edge.boundary ? 2 : 4))
+          {
+            return true;
+          }
+        }
+      }
+    }
+    return false;
   }
 
   bool isInside(const std::vector<Candidate>& sides, int block) const

@@ -29,13 +29,14 @@ struct FarFieldSide
 /// Named blocks (ConversionOptions::extensionBlocks): every plane in which a named block meets another one. Its outside is
 /// where the named blocks are, but never where the body is.
 ///
-/// Automatic, by geometry alone. A side is a plane of inner block faces that
+/// Automatic, whatever the numbering. A side is a plane of inner block faces that
 /// - no block crosses, and beyond which lies no wall (the body does not touch it either);
-/// - has whole layers of blocks beyond it: each block reaches from the plane to the next such plane, or to the outer
-///   boundary. Of several parallel planes the innermost counts.
+/// - has one layer of blocks beyond it, each of which reaches from the plane to the outer boundary.
 /// What lies inside all these planes must be a cuboid: its outer boundary but the body lies in planes at right angles
-/// (within 1e-3), with the whole part behind each of them. A mesh without a body has no extension, for all its inner
-/// planes are equal.
+/// (within 1e-3), with the whole part behind each of them. At least at one edge in these planes other than four blocks must
+/// meet (two on the outer boundary), as at the edges of a cuboid in which blocks surround the body: a grid that goes on
+/// regularly needs no rule, it joins C2. A mesh without a body has no extension; one of several layers of blocks must be
+/// named.
 ///
 /// @throws Error if blocks are named but none meets another block in a plane.
 std::vector<FarFieldSide> farFieldSides(const BlockComplex& complex, const ConversionOptions& options);

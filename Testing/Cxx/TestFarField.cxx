@@ -238,7 +238,7 @@ TEST(FarField, OneSideAlone)
 
 TEST(FarField, OrdinaryMeshesHaveNoExtension)
 {
-  // No body; a body with a curved far field; a box whose inner planes touch the body.
+  // No body; a body with a curved far field; a grid around a box, whose inner planes touch the body; a grid over a plate.
   MeshCase grid = cutBox({ 6, 6, 6 }, { { { 2, 4 }, { 2, 4 }, { 2, 4 } } });
   EXPECT_EQ(find(bsv::buildBlockComplex(grid.mesh()), roles()).sides, 0u);
 
@@ -257,6 +257,12 @@ TEST(FarField, OrdinaryMeshesHaveNoExtension)
     box.boundaries.push_back({ neighbour[face], face ^ 1, { { 0, 0 }, { 2, 2 } }, 0 });
   }
   EXPECT_EQ(find(bsv::buildBlockComplex(box.mesh()), roles()).sides, 0u);
+
+  MeshCase plate = cutBox({ 6, 6, 4 }, { { { 2, 4 }, { 2, 4 }, { 2 } } });
+  plate.boundaryNames = { "wall" };
+  plate.boundaries.push_back({ 4, 4, { { 0, 0 }, { 2, 2 } }, 0 });
+  plate.apply([](const Vec3& x) { return Vec3(x[0] * x[0], x[1], x[2] * x[2]); });
+  EXPECT_EQ(find(bsv::buildBlockComplex(plate.mesh()), roles()).sides, 0u);
 
   MeshCase curved = cutBox({ 4, 2, 2 }, { { { 2 }, {}, {} } }, [](const Vec3& x) { return wavy(0.5 * x); });
   ConversionOptions named;
