@@ -232,7 +232,8 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
   }
   if (!counts.extensionDistances.empty())
   {
-    text << "far-field extension beyond " << counts.extensionDistances.size() << " sides, first layer at the distance";
+    text << "planar sides with a far-field extension: " << counts.extensionDistances.size()
+         << ", its first layer at the distance";
     for (const double distance : counts.extensionDistances)
     {
       text << ' ' << distance;

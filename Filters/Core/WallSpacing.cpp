@@ -5,6 +5,7 @@
 #include "BlockSurface.h"
 #include "EdgeFans.h"
 #include "FarField.h"
+#include "OrderFreeSum.h"
 #include "Sampling.h"
 
 #include <algorithm>
@@ -44,6 +45,24 @@ struct Basis
     this->first = span;
   }
 };
+
+/// The basis at knot u = m: what the reversed direction has at cells - m, mirrored bit for bit.
+Basis basisAtKnot(int cells, int m)
+{
+  if (2 * m > cells)
+  {
+    Basis basis = basisAtKnot(cells, cells - m);
+    std::reverse(basis.values.begin(), basis.values.end());
+    basis.first = cells - 1 - basis.first;
+    return basis;
+  }
+  Basis basis(cells, m);
+  if (2 * m == cells)
+  {
+    basis.values[0] = basis.values[2] = 0.5 * (basis.values[0] + basis.values[2]);
+  }
+  return basis;
+}
 
 /// The curve that rises from a wall vertex: its first control points.
 struct Column
@@ -255,7 +274,8 @@ public:
           worst = { guess.height, this->target(v) };
           this->PresentLayers = this->rise(use);
         }
-        if (guess.spacing > this->Result.spacing[v])
+        if (guess.spacing > this->Result.spacing[v] ||
+          (guess.spacing == this->Result.spacing[v] && guess.firstCell < this->FirstCell[v]))
         {
           this->Result.spacing[v] = guess.spacing;
           this->Result.allowed[v] = guess.fixed ? 0 : 1;
@@ -447,12 +467,13 @@ private:
   {
     const ComplexBlock& owner = this->Complex.blocks[use.block];
     const int first = faceAxis(use.face, 0), second = faceAxis(use.face, 1), normal = faceDirection(use.face);
-    const Basis alongS(owner.cells(first), s), alongT(owner.cells(second), t);
+    const Basis alongS = basisAtKnot(owner.cells(first), s), alongT = basisAtKnot(owner.cells(second), t);
     Column column;
     column.cells = owner.cells(normal);
+    OrderFreeSum sum;
     for (int a = 0; a < std::min(Depth, column.cells + 3); ++a)
     {
-      Vec3 x = Vec3::Zero();
+      sum.clear();
       for (int j = 0; j < 4; ++j)
       {
         for (int i = 0; i < 4; ++i)
@@ -464,11 +485,11 @@ private:
             position[first] = alongS.first + i;
             position[second] = alongT.first + j;
             position[normal] = faceSide(use.face) ? column.cells + 2 - a : a;
-            x += weight * this->controlPoint(use.block, position);
+            sum.add(weight, this->controlPoint(use.block, position));
           }
         }
       }
-      column.points[a] = x;
+      column.points[a] = sum.result(1.0);
     }
     return column;
   }
