@@ -90,8 +90,7 @@ void Converter::convertFace(int face)
       const auto insert = [&](const Side& side, const std::array<int, 2>& st, const Vec3& above) {
         const double near = this->Layer.weight(side.block, side.face, side.mesh(st[0], st[1], 0));
         const bool regular = near == KnotInsertion && !this->isWall(face);
-        const ControlPointRule rule =
-          regular ? ControlPointRule::Regular : layerRule(this->Rules.boundaryRule(face));
+        const ControlPointRule rule = regular ? ControlPointRule::Regular : layerRule(faceRule.connection);
         this->write(side.block, side.net(st[0], st[1], 1), insertMask(own, above, near), rule);
       };
       insert(sides[0], { s, t }, inner);

@@ -121,14 +121,16 @@ private:
   Fan smoothSurfaceFan(Star& star, const Fan& fan, const std::vector<double>& weights,
     const std::vector<SpokeKeep>& keeps, bool body) const;
   bool bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const;
+  /// The foot of the centre of `points` on the body's patch whose normal is nearest to that of the sectors first..first + size - 1 of `points`.
+  bool sectorFoot(const Fan& points, int first, int size, BodyFoot& foot) const;
   /// Fills Corrections: carries what a known foot changed at extraordinary body vertices into the layers above them.
   void propagateFeet();
   ///@}
 
-  /// Rule of inserted points off a wall or connection layer.
-  static ControlPointRule layerRule(ControlPointRule rule)
+  /// Rule of inserted points off a connection layer, or else off a wall.
+  static ControlPointRule layerRule(bool connection)
   {
-    return rule == ControlPointRule::PlanarSide ? ControlPointRule::FarFieldLayer : ControlPointRule::WallLayer;
+    return connection ? ControlPointRule::FarFieldLayer : ControlPointRule::WallLayer;
   }
   bool isWall(int face) const
   {
@@ -176,6 +178,8 @@ struct Converter::Star : VertexStar
   };
 
   bool boundary = false;
+  /// Whether it lies in the connection layer of a far-field extension.
+  bool connection = false;
   std::vector<EdgeInfo> info;
   /// Weight of the vertex in the inserted point along each star edge.
   std::vector<double> near;

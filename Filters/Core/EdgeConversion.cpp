@@ -183,8 +183,13 @@ void Converter::convertEdge(int edge)
   for (const EdgeFan& fan : edgeRule.fans)
   {
     const bool ordinary = edgeRule.rule != ControlPointRule::ExtraordinaryEdge;
+    bool connection = false;
+    for (int i = 0; i < fan.spokeCount(); ++i)
+    {
+      connection = connection || this->Rules.faces[fan.faceOf(this->Complex, i)].connection;
+    }
     const auto ruleOf = [&](double weightFirst, double weightSecond) {
-      return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? layerRule(edgeRule.rule)
+      return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? layerRule(connection)
                                                                                          : edgeRule.rule;
     };
     for (int k = 1; k < shared.cells; ++k)

@@ -101,6 +101,8 @@ Converter::Star Converter::makeStar(int vertex) const
     }
   }
   this->adjustStar(star);
+  star.connection = std::any_of(star.faces.begin(), star.faces.end(),
+    [&](const VertexStar::Face& face) { return this->Rules.faces[face.face].connection; });
   star.keptFaces.assign(star.faces.size(), false);
   star.diagonalKeep.assign(star.faces.size(), 0.0);
   for (const VertexStar::Block& block : star.blocks)
@@ -352,7 +354,8 @@ bool Converter::areStacked(const Star& star, int up, int down) const
     const int ring = star.blocks[a.sectors[i]].faces[a.fan->sectors[i].along];
     const auto& pair = star.faces[ring].blocks;
     const int across = pair[0] == a.sectors[i] ? pair[1] : pair[0];
-    if (star.keptFaces[ring] || this->Rules.faces[star.faces[ring].face].connection || std::find(b.sectors.begin(), b.sectors.end(), across) == b.sectors.end())
+    if (star.keptFaces[ring] || this->Rules.faces[star.faces[ring].face].connection ||
+      std::find(b.sectors.begin(), b.sectors.end(), across) == b.sectors.end())
     {
       return false;
     }
@@ -464,7 +467,7 @@ bool Converter::convertStacked(Star& star) const
   {
     const double near = star.near[stack.axis];
     const ControlPointRule rule =
-      near != KnotInsertion && inner != ControlPointRule::ExtraordinaryEdge ? layerRule(inner) : inner;
+      near != KnotInsertion && inner != ControlPointRule::ExtraordinaryEdge ? layerRule(star.connection) : inner;
     setEdge(stack.axis, insertMask(middle.center, stack.layer.center, near), rule);
     for (int i = 0; i < spokes; ++i)
     {
@@ -503,7 +506,7 @@ void Converter::convertAnchored(Star& star) const
   const ControlPointRule inner = star.boundary ? ControlPointRule::Corner : star.rule;
   const auto ruleOf = [&](const auto& edges) {
     const bool near = std::any_of(edges.begin(), edges.end(), [&](int e) { return star.near[e] != KnotInsertion; });
-    return near && inner == ControlPointRule::PlanarSide ? layerRule(inner) : inner;
+    return near && inner == ControlPointRule::PlanarSide ? layerRule(star.connection) : inner;
   };
   // Values one step away from the vertex, along edges and in faces.
   std::vector<Vec3> along(star.edges.size()), diagonal(star.faces.size());
