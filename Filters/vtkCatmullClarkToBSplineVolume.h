@@ -233,8 +233,9 @@ public:
 
   ///@{
   /**
-   * c of single boundaries of the body, by patterns of their names as in BodyBoundaries; the first that fits counts. It has
-   * precedence over WallSpacingMode. Where boundaries with different values meet, a vertex has their mean. Default: none.
+   * c of single boundaries of the body, by patterns of their names as in BodyBoundaries; the first that fits counts. It
+   * has precedence over WallSpacingMode. Where boundaries with different values meet, a vertex has their mean. Default:
+   * none.
    */
   void AddBoundaryWallSpacing(const char* pattern, double spacing);
   void ClearBoundaryWallSpacings();
@@ -243,8 +244,8 @@ public:
 
   ///@{
   /**
-   * Point array (1 component) of the input with c at the points of the wall, such as vtkWallSpacing gives; NaN where there
-   * is no value. It has precedence over all others. Blocks without the array are no error. Default: WallSpacing.
+   * Point array (1 component) of the input with c at the points of the wall, such as vtkWallSpacing gives; NaN where
+   * there is no value. It has precedence over all others. Blocks without the array are no error. Default: WallSpacing.
    */
   vtkSetStdStringFromCharMacro(WallSpacingArray);
   vtkGetCharFromStdStringMacro(WallSpacingArray);
@@ -253,9 +254,9 @@ public:
   ///@{
   /**
    * Where the first inserted layer of a far-field extension lies: at a third of its first cell (OFF); at the distance
-   * between the last two layers of control points before it, averaged over the side of the cuboid (SIDE_AVERAGE, default),
-   * or vertex by vertex (PER_VERTEX, C1 where mesh lines go straight through). Sides are planar; blocks that touch the
-   * cuboid by an edge or a corner take the distances of its sides. No effect with PlanarSides NONE.
+   * between the last two layers of control points before it, averaged over the side of the cuboid (SIDE_AVERAGE,
+   * default), or vertex by vertex (PER_VERTEX, C1 where mesh lines go straight through). Sides are planar; blocks that
+   * touch the cuboid by an edge or a corner take the distances of its sides. No effect with PlanarSides NONE.
    */
   vtkSetClampMacro(FarFieldSpacing, int, OFF, PER_VERTEX);
   vtkGetMacro(FarFieldSpacing, int);
@@ -264,7 +265,7 @@ public:
   ///@{
   /**
    * Names of input blocks that extend the far field, as patterns like BodyBoundaries: those attached face to face are
-   * enough. Default: none, that is, they are recognised: blocks in whole layers beyond planes that bound a cuboid around
+   * enough. Default: none, that is, they are recognised: the layer of blocks beyond planes that bound a cuboid around
    * the body (Core/FarField.h).
    */
   void AddExtensionBlock(const char* pattern);

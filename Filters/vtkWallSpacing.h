@@ -9,8 +9,8 @@
  *
  * Input: a block mesh as for vtkCatmullClarkToBSplineVolume, with its wall and symmetry plane named.
  *
- * Output port 0: the mesh, a vtkPartitionedDataSetCollection. Blocks at the wall have the point arrays (double, NaN off the
- * wall) `WallSpacing`, `BoundaryLayerThickness`, `FirstCellHeight`, `YPlus`, `CellsInBoundaryLayer`.
+ * Output port 0: the mesh, a vtkPartitionedDataSetCollection. Blocks at the wall have the point arrays (double, NaN off
+ * the wall) `WallSpacing`, `BoundaryLayerThickness`, `FirstCellHeight`, `YPlus`, `CellsInBoundaryLayer`.
  *
  * Output port 1: the wall as vtkPolyData, with these point arrays and
  * - `StreamwiseDistance`: x, along FlowDirection from the foremost point of the same boundary, at least MinimumDistance
@@ -28,8 +28,8 @@
  * | skin friction c_f | 0.664 / sqrt(Re_x) | 0.0592 / Re_x^0.2 |
  * | range | 1e3 < Re_x < 5e5 | 5e5 < Re_x < 1e7 |
  *
- * y+ = y Re sqrt(c_f / 2) / L. `FirstCellHeight` is y, the length of the cell's edge off the wall; `CellsInBoundaryLayer`
- * counts sampled cells up to delta, the last one in part. Lengths are in the unit of the mesh.
+ * y+ = y Re sqrt(c_f / 2) / L. `FirstCellHeight` is y, the length of the cell's edge off the wall;
+ * `CellsInBoundaryLayer` counts sampled cells up to delta, the last one in part. Lengths are in the unit of the mesh.
  *
  * Field data of both outputs, one value each. Free stream of a perfect gas with gamma = 1.4, in SI units:
  * `ReferenceSoundSpeed` (m/s), `ReferenceVelocity` (m/s), `ReferenceViscosity` (Pa s), `ReferenceDensity` (kg/m^3),
@@ -38,8 +38,9 @@
  * `ViscousCoefficient` 1/Re of the stresses, `HeatCoefficient` 1/((gamma - 1) M^2 Re Pr) of the heat flux,
  * `PressureCoefficient` p / (rho U^2) = 1/(gamma M^2).
  *
- * Where the target would need cells that grow faster than MaximumGrowth, c goes as far as they allow, and a warning says
- * which level or how many layers would reach it. An empty input gives empty outputs; a mesh without a wall is an error.
+ * Where the target would need cells that grow faster than MaximumGrowth, c goes as far as they allow, and a warning
+ * says which level or how many layers would reach it. An empty input gives empty outputs; a mesh without a wall is an
+ * error.
  *
  * @sa vtkCatmullClarkToBSplineVolume
  */
@@ -101,8 +102,8 @@ public:
 
   ///@{
   /**
-   * Dynamic viscosity of the free stream. Pa s, >= 0, default 0: that of air by Sutherland's formula, valid from 100 K to
-   * 1900 K.
+   * Dynamic viscosity of the free stream. Pa s, >= 0, default 0: that of air by Sutherland's formula, valid from 100 K
+   * to 1900 K.
    */
   vtkSetMacro(Viscosity, double);
   vtkGetMacro(Viscosity, double);
@@ -135,8 +136,8 @@ public:
 
   ///@{
   /**
-   * Nearer to the foremost point than this, in reference lengths, the formulas are taken at this distance: at 0 they give
-   * no thickness and infinite friction. Range > 0, default 0.01.
+   * Nearer to the foremost point than this, in reference lengths, the formulas are taken at this distance: at 0 they
+   * give no thickness and infinite friction. Range > 0, default 0.01.
    */
   vtkSetMacro(MinimumDistance, double);
   vtkGetMacro(MinimumDistance, double);
@@ -187,8 +188,8 @@ public:
 
   ///@{
   /**
-   * As in the conversion that follows: find creases by the angle (degrees, range [0, 180], default 30) at which the outer
-   * boundary turns. Default off.
+   * As in the conversion that follows: find creases by the angle (degrees, range [0, 180], default 30) at which the
+   * outer boundary turns. Default off.
    */
   vtkSetMacro(UseCreaseAngle, bool);
   vtkGetMacro(UseCreaseAngle, bool);

@@ -72,8 +72,9 @@ enum class FarFieldSpacing : std::uint8_t
 {
   /// As everywhere: at a third of the extension's first cell.
   Off,
-  /// At the distance between the last two layers of control points before the extension, p^K and p_{K-1/3}, averaged over
-  /// the side of the cuboid. Blocks at edges and corners take the distance of each side whose plane they lie beyond.
+  /// At the distance between the last two layers of control points before the extension, p^K and p_{K-1/3}, averaged
+  /// over the side of the cuboid. Blocks at edges and corners take the distance of each side whose plane they lie
+  /// beyond.
   SideAverage,
   /// At that distance at each vertex. C1 where mesh lines cross the side straight on; SideAverage is so on average.
   PerVertex
@@ -89,8 +90,8 @@ struct ConversionOptions
   Twist twist = Twist::SecondFundamentalForm;
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
   double wallSpacing = 2.0 / 3.0;
-  /// Take c = (2 + ln g) / (3 + ln g) instead, g = |p_2 - p_1| / |p_1 - p_0| the growth of the layers at each wall vertex:
-  /// the value with which the spacing of the converted layers starts with the growth ln g per span.
+  /// Take c = (2 + ln g) / (3 + ln g) instead, g = |p_2 - p_1| / |p_1 - p_0| the growth of the layers at each wall
+  /// vertex: the value with which the spacing of the converted layers starts with the growth ln g per span.
   bool automaticWallSpacing = false;
   /// c per entry of BlockComplex::boundaryNames instead of these, NaN where none is given.
   std::vector<double> boundaryWallSpacing;
@@ -114,8 +115,8 @@ struct ConversionOptions
   /// they have precedence over `body`.
   std::vector<const double*> projectedPoints;
   std::vector<const double*> surfaceNormals;
-  /// Compute only control points on faces, edges and vertices that touch blocks at the wall, and leave all others as they
-  /// are; no far-field spacing, no counts.
+  /// Compute only control points on faces, edges and vertices that touch blocks at the wall, and leave all others as
+  /// they are; no far-field spacing, no counts.
   bool wallOnly = false;
 };
 

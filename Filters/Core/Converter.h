@@ -76,14 +76,14 @@ private:
   ///@{
   /// Mesh points of layer k.
   Fan meshFan(const EdgeFan& fan, int k) const;
-  /// Control points of layer k, before the rule along the edge. `base`: the layer next to it, if k is seen from there as
-  /// the first layer off a wall or connection layer; where its c varies, points are put where the c of the edge has the
-  /// effect of their own.
+  /// Control points of layer k, before the rule along the edge. `base`: the layer next to it, if k is seen from there
+  /// as the first layer off a wall or connection layer; where its c varies, points are put where the c of the edge has
+  /// the effect of their own.
   Fan controlFan(int edge, const EdgeFan& fan, int k, int base = -1) const;
   /// Weight of the edge in the inserted points along each spoke of layer k.
   std::vector<double> nearWeights(const EdgeFan& fan, int k) const;
-  /// Moves points as controlFan() says: those above the layer `base`, and sectors whose spokes leave a wall or connection
-  /// layer.
+  /// Moves points as controlFan() says: those above the layer `base`, and sectors whose spokes leave a wall or
+  /// connection layer.
   void adjustLayer(Fan& points, const EdgeFan& fan, int base) const;
   void adjustSectors(Fan& points, const EdgeFan& fan, int k) const;
   /// (1 - c) at one mesh point of a block's face over (1 - c) at another.

@@ -27,7 +27,8 @@ public:
   /// @throws Error for a c that is not between 0 and 1.
   FirstLayer(const BlockComplex& complex, const ConversionOptions& options);
 
-  /// Height of the last inserted control point over the last one at mesh point (s, t) of a block face, along the normal.
+  /// Height of the last inserted control point over the last one at mesh point (s, t) of a block face, along the
+  /// normal.
   using LastDistance = std::function<double(const FaceUse& use, int s, int t, const Vec3& normal)>;
 
   /// The extension beyond a side; `spacing` is not Off.

@@ -58,8 +58,8 @@ struct ReferenceState
   double pressureCoefficient = 0.0;
 };
 
-/// Dynamic viscosity of air in Pa s, mu = 1.458e-6 T^1.5 / (T + 110.4), T in kelvin (Standard Atmosphere, equation (51)).
-/// Valid from about 100 K to 1900 K.
+/// Dynamic viscosity of air in Pa s, mu = 1.458e-6 T^1.5 / (T + 110.4), T in kelvin (Standard Atmosphere, equation
+/// (51)). Valid from about 100 K to 1900 K.
 double sutherlandViscosity(double temperature);
 
 /// @throws Error that names the property for values out of range.

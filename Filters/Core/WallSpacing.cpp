@@ -661,7 +661,8 @@ WallSpacingResult wallSpacing(const BlockMesh& mesh, const BlockComplex& complex
       throw Error(std::string(name) + " " + text(value) + " is not " + what);
     }
   };
-  check(options.targetYPlus > 0.0 && std::isfinite(options.targetYPlus), "Target Y Plus", options.targetYPlus, "above 0");
+  check(options.targetYPlus > 0.0 && std::isfinite(options.targetYPlus), "Target Y Plus", options.targetYPlus,
+    "above 0");
   check(options.minimumDistance > 0.0 && std::isfinite(options.minimumDistance), "Minimum Distance",
     options.minimumDistance, "above 0");
   check(options.maximumGrowth > 1.0 && std::isfinite(options.maximumGrowth), "Maximum Growth", options.maximumGrowth,

@@ -17,8 +17,8 @@ struct WallSpacingOptions
   FlowConditions flow;
   /// Direction of the free stream, not zero.
   Vec3 direction = Vec3(1.0, 0.0, 0.0);
-  /// Nearer to the leading edge than this fraction of the reference length the formulas of the flat plate are taken at this
-  /// distance. Range > 0.
+  /// Nearer to the leading edge than this fraction of the reference length the formulas of the flat plate are taken at
+  /// this distance. Range > 0.
   double minimumDistance = 0.01;
   /// Height of the first cell in wall units, > 0.
   double targetYPlus = 1.0;
@@ -41,8 +41,8 @@ struct WallSpacingResult
   std::vector<Side> sides;
 
   std::vector<Vec3> points;
-  /// Boundary layer of a flat plate at the distance from the foremost wall point of the same boundary, measured along the
-  /// direction of the stream; at a vertex of several boundaries the smallest distance.
+  /// Boundary layer of a flat plate at the distance from the foremost wall point of the same boundary, measured along
+  /// the direction of the stream; at a vertex of several boundaries the smallest distance.
   std::vector<PlateLayer> layers;
   std::vector<double> spacing;     ///< c
   std::vector<double> firstHeight; ///< length of the first sampled cell's edge off the wall
@@ -61,8 +61,8 @@ struct WallSpacingResult
   Index reached = 0;
   /// Smallest level at which the growth allows the target at all vertices, or -1.
   int levelForAll = -1;
-  /// Layers of constant growth, the first sampled cell being the target, that reach it in the blocks at the wall where it
-  /// is farthest away, at the level asked for; 0 if there is no need, or over 2000.
+  /// Layers of constant growth, the first sampled cell being the target, that reach it in the blocks at the wall where
+  /// it is farthest away, at the level asked for; 0 if there is no need, or over 2000.
   int layersForAll = 0;
   /// What would help where it is not; empty if it is everywhere.
   std::string warning;
@@ -70,9 +70,9 @@ struct WallSpacingResult
   static constexpr double Accuracy = 0.01;
 };
 
-/// The mesh's wall (roles in `conversion`) is converted again and again with c per vertex until the sampled cells are as high
-/// as they shall be: c at one vertex acts on its neighbours, by the rules in the layers. Where the target would need cells
-/// that grow faster than allowed, c goes as far as they allow.
+/// The mesh's wall (roles in `conversion`) is converted again and again with c per vertex until the sampled cells are
+/// as high as they shall be: c at one vertex acts on its neighbours, by the rules in the layers. Where the target would
+/// need cells that grow faster than allowed, c goes as far as they allow.
 /// @throws Error for options out of range or a mesh without a wall; Aborted.
 WallSpacingResult wallSpacing(const BlockMesh& mesh, const BlockComplex& complex, const ConversionOptions& conversion,
   const WallSpacingOptions& options, const Execution& run = {});

@@ -238,7 +238,8 @@ TEST(FarField, OneSideAlone)
 
 TEST(FarField, OrdinaryMeshesHaveNoExtension)
 {
-  // No body; a body with a curved far field; a grid around a box, whose inner planes touch the body; a grid over a plate.
+  // No body; a body with a curved far field; a grid around a box, whose inner planes touch the body; a grid over a
+  // plate.
   MeshCase grid = cutBox({ 6, 6, 6 }, { { { 2, 4 }, { 2, 4 }, { 2, 4 } } });
   EXPECT_EQ(find(bsv::buildBlockComplex(grid.mesh()), roles()).sides, 0u);
 
@@ -304,7 +305,7 @@ TEST(FarField, FirstLayerLiesAtTheAverageDistancePerDirection)
           const Vec3 on = converted.controlPoint(outer.block, positions(outer, a, b, 0));
           const Vec3 first = converted.controlPoint(outer.block, positions(outer, a, b, 1));
           EXPECT_NEAR(side.normal.dot(first - on), d, 1e-14);
-          EXPECT_NEAR(on.cwiseAbs().cwiseProduct(side.normal.cwiseAbs()).sum(), Size.dot(side.normal.cwiseAbs()), 1e-14);
+          EXPECT_NEAR(on.cwiseAbs().dot(side.normal.cwiseAbs()), Size.dot(side.normal.cwiseAbs()), 1e-14);
           layer += converted.rule(outer.block, positions(outer, a, b, 1)) == ControlPointRule::FarFieldLayer ? 1 : 0;
         }
       }
@@ -392,8 +393,8 @@ TEST(FarField, CellsGrowSmoothlyAcrossTheConnectionLayer)
       const Ratio without = cellRatio(off, level, most);
       const Ratio with = cellRatio(average, level, most);
       const Ratio each = cellRatio(vertex, level, most);
-      std::printf("extension's first cell %.2f times the last, level %d: mean (largest) ratio Off %.3f (%.3f), SideAverage "
-                  "%.3f (%.3f), PerVertex %.3f (%.3f); where R <= %.2f, %d of %d columns: Off %.3f, SideAverage %.3f, "
+      std::printf("extension's first cell %.2f times the last, level %d: mean (largest) ratio Off %.3f (%.3f), "
+                  "SideAverage %.3f (%.3f), PerVertex %.3f (%.3f); where R <= %.2f, %d of %d columns: Off %.3f, SideAverage %.3f, "
                   "PerVertex %.3f\n",
         step, level, without.mean, without.largest, with.mean, with.largest, each.mean, each.largest, most,
         each.allowedColumns, each.columns, without.allowed, with.allowed, each.allowed);

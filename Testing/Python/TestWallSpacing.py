@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""vtkWallSpacing through its proxy, and the pipeline mesh, wall spacing, conversion, sampler with y+ measured at its end."""
+"""vtkWallSpacing through its proxy; the pipeline mesh, wall spacing, conversion, sampler with y+ measured at its end."""
 import math
 import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import (simple, vtk, bits, blocks, client, collection, demo_mesh, dimensions, failure, field, grid, main,
-                         messages, names, producer, update, values)
+from bsv_support import (simple, vtk, bits, blocks, client, collection, demo_mesh, dimensions, failure, field, grid,
+                         main, messages, names, producer, update, values)
 
 CELLS, LAYERS, LENGTH = 8, 12, 4.0
 ARRAYS = ["WallSpacing", "BoundaryLayerThickness", "FirstCellHeight", "YPlus", "CellsInBoundaryLayer"]
