@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 namespace bsv
 {
@@ -44,8 +45,6 @@ void Converter::convertFace(int face)
 {
   const ComplexFace& shared = this->Complex.faces[face];
   const FaceRule& faceRule = this->Rules.faces[face];
-  const bool wall = this->isWall(face);
-  const double near = wall ? this->Options.wallSpacing : KnotInsertion;
 
   struct Side
   {
@@ -88,8 +87,13 @@ void Converter::convertFace(int face)
     {
       const Vec3 own = sides[0].owner->points(sides[0].mesh(s, t, 0));
       const Vec3 inner = sides[0].owner->points(sides[0].mesh(s, t, 1));
-      this->write(sides[0].block, sides[0].net(s, t, 1), insertMask(own, inner, near),
-        wall ? ControlPointRule::WallLayer : ControlPointRule::Regular);
+      const auto insert = [&](const Side& side, const std::array<int, 2>& st, const Vec3& above) {
+        const double near = this->Layer.weight(side.block, side.face, side.mesh(st[0], st[1], 0));
+        const bool regular = near == KnotInsertion && !this->isWall(face);
+        const ControlPointRule rule = regular ? ControlPointRule::Regular : layerRule(faceRule.connection);
+        this->write(side.block, side.net(st[0], st[1], 1), insertMask(own, above, near), rule);
+      };
+      insert(sides[0], { s, t }, inner);
       if (shared.boundary())
       {
         this->write(sides[0].block, sides[0].net(s, t, 0), own, this->Rules.boundaryRule(face));
@@ -104,15 +108,77 @@ void Converter::convertFace(int face)
                                                       : ControlPointRule::Regular;
       this->write(sides[0].block, sides[0].net(s, t, 0), middle, rule);
       this->write(sides[1].block, sides[1].net(st[0], st[1], 0), middle, rule);
-      this->write(
-        sides[1].block, sides[1].net(st[0], st[1], 1), insertMask(own, across, near), ControlPointRule::Regular);
+      insert(sides[1], st, across);
     }
+  }
+}
+
+void Converter::placeExtension()
+{
+  if (this->Options.farFieldSpacing == FarFieldSpacing::Off)
+  {
+    return;
+  }
+  // What lies on the cuboid's side of a connection layer does not depend on the extension.
+  std::set<int> faces, edges, vertices;
+  for (const FarFieldSide& side : this->Rules.farField)
+  {
+    for (std::size_t i = 0; i < side.faces.size(); ++i)
+    {
+      const ComplexBlock& block = this->Complex.blocks[side.inner[i].block];
+      const int face = side.inner[i].face;
+      faces.insert(side.faces[i]);
+      for (int n = 0; n < 4; ++n)
+      {
+        edges.insert(block.edges[faceEdge(face, n & 1, n >> 1)]);
+        vertices.insert(block.vertices[faceCorner(face, n & 1, n >> 1)]);
+      }
+    }
+  }
+  const auto forEach = [&](const std::set<int>& set, const auto& body) {
+    const std::vector<int> list(set.begin(), set.end());
+    this->Run.parallelFor(static_cast<Index>(list.size()), 4, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+      {
+        body(list[i]);
+      }
+    });
+  };
+  forEach(faces, [&](int face) { this->convertFace(face); });
+  forEach(edges, [&](int edge) { this->convertEdge(edge); });
+  forEach(vertices, [&](int vertex) { this->convertVertex(vertex); });
+  this->SingularNodes = 0;
+
+  const auto lastDistance = [&](const FaceUse& use, int s, int t, const Vec3& normal) {
+    const ComplexBlock& owner = this->Complex.blocks[use.block];
+    const int st[2] = { s, t };
+    Ijk position;
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      const int d = faceAxis(use.face, axis);
+      position[d] = st[axis] == 0 ? 0 : st[axis] == owner.cells(d) ? owner.cells(d) + 2 : innerPosition(st[axis]);
+    }
+    const int d = faceDirection(use.face);
+    const auto point = [&](int fromEnd) {
+      position[d] = endPosition(faceSide(use.face), fromEnd, owner.cells(d));
+      return Vec3(Eigen::Map<const Vec3>(this->Nets[use.block].points + 3 * this->index(use.block, position)));
+    };
+    const Vec3 last = point(0);
+    return normal.dot(last - point(1));
+  };
+  for (const FarFieldSide& side : this->Rules.farField)
+  {
+    this->Layer.setSide(side, this->Options.farFieldSpacing, lastDistance);
   }
 }
 
 ConversionReport Converter::convert()
 {
   this->propagateFeet();
+  if (!this->Options.wallOnly)
+  {
+    this->placeExtension();
+  }
 
   // Slabs of all blocks as one list, so that a few large blocks share the threads as well as many small ones.
   std::vector<Index> firstSlab{ 0 };
@@ -120,6 +186,30 @@ ConversionReport Converter::convert()
   {
     firstSlab.push_back(firstSlab.back() + std::max(0, block.cells(2) - 1));
   }
+  std::vector<bool> atWall(this->Complex.vertices.size(), !this->Options.wallOnly);
+  if (this->Options.wallOnly)
+  {
+    for (const ComplexFace& face : this->Complex.faces)
+    {
+      if (roleOf(this->Options, face) == BoundaryRole::Body)
+      {
+        for (const int vertex : this->Complex.blocks[face.uses.front().block].vertices)
+        {
+          atWall[vertex] = true;
+        }
+      }
+    }
+  }
+  const auto touchesWall = [&](const ComplexFace& face) {
+    const FaceUse& use = face.uses.front();
+    bool touches = false;
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      touches =
+        touches || atWall[this->Complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]];
+    }
+    return touches;
+  };
   const auto forEach = [&](std::size_t count, Index grain, const auto& body) {
     this->Run.parallelFor(static_cast<Index>(count), grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
@@ -130,7 +220,7 @@ ConversionReport Converter::convert()
   };
   // Large meshes are copied in portions, so that progress is told and an abort is heard.
   constexpr Index Portions = 20;
-  const Index slabs = firstSlab.back();
+  const Index slabs = this->Options.wallOnly ? 0 : firstSlab.back();
   for (Index portion = 0; portion < Portions; ++portion)
   {
     const Index from = slabs * portion / Portions;
@@ -146,17 +236,34 @@ ConversionReport Converter::convert()
     });
   }
   this->Run.report(0.5);
-  forEach(this->Complex.faces.size(), 4, [&](int face) { this->convertFace(face); });
+  forEach(this->Complex.faces.size(), 4, [&](int face) {
+    if (touchesWall(this->Complex.faces[face]))
+    {
+      this->convertFace(face);
+    }
+  });
   this->Run.report(0.7);
-  forEach(this->Complex.edges.size(), 4, [&](int edge) { this->convertEdge(edge); });
+  forEach(this->Complex.edges.size(), 4, [&](int edge) {
+    const std::array<int, 2>& ends = this->Complex.edges[edge].vertices;
+    if (atWall[ends[0]] || atWall[ends[1]])
+    {
+      this->convertEdge(edge);
+    }
+  });
   this->Run.report(0.85);
-  forEach(this->Complex.vertices.size(), 4, [&](int vertex) { this->convertVertex(vertex); });
+  forEach(this->Complex.vertices.size(), 4, [&](int vertex) {
+    if (atWall[vertex])
+    {
+      this->convertVertex(vertex);
+    }
+  });
   this->Run.report(0.95);
 
   ConversionReport report;
   report.singularNodes = this->SingularNodes;
   report.planarFaces = this->Rules.planarFaces;
-  for (std::size_t b = 0; b < this->Complex.blocks.size(); ++b)
+  this->Layer.describe(report);
+  for (std::size_t b = 0; b < this->Complex.blocks.size() && !this->Options.wallOnly; ++b)
   {
     const ComplexBlock& block = this->Complex.blocks[b];
     const Index count = Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
@@ -172,17 +279,13 @@ ConversionReport Converter::convert()
 const std::vector<std::string>& controlPointRuleNames()
 {
   static const std::vector<std::string> names{ "Copied", "Regular", "Boundary", "Symmetry", "PlanarSide", "Body",
-    "BodyExtraordinaryVertex", "Crease", "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer" };
+    "BodyExtraordinaryVertex", "Crease", "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer", "FarFieldLayer" };
   return names;
 }
 
 ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
   const std::vector<ControlNetStorage>& nets, const Execution& run)
 {
-  if (!(options.wallSpacing > 0.0 && options.wallSpacing < 1.0))
-  {
-    throw Error("Wall Spacing " + text(options.wallSpacing) + " is not between 0 and 1, both excluded");
-  }
   if (!(options.planarTolerance >= 0.0))
   {
     throw Error("Planar Tolerance " + text(options.planarTolerance) + " is not at least 0");

@@ -309,11 +309,7 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
   forEachEdge([&](int e) { rules.edges[e].fans = edgeFans(complex, e); });
   for (std::size_t f = 0; f < complex.faces.size(); ++f)
   {
-    const int tag = complex.faces[f].tag;
-    if (complex.faces[f].boundary() && tag >= 0 && tag < static_cast<int>(options.roles.size()))
-    {
-      rules.faces[f].role = options.roles[tag];
-    }
+    rules.faces[f].role = roleOf(options, complex.faces[f]);
   }
   std::vector<int> planar(complex.faces.size(), -1);
   if (options.planarSides == PlanarSides::FarField)
@@ -328,6 +324,18 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
       const bool keeps = rules.faces[f].role != BoundaryRole::Body &&
         plane.deviation <= options.planarTolerance * plane.diagonal;
       planar[f] = keeps ? f : -1;
+    }
+  }
+  if (options.planarSides != PlanarSides::None)
+  {
+    rules.farField = farFieldSides(complex, options);
+  }
+  for (const FarFieldSide& side : rules.farField)
+  {
+    for (const int face : side.faces)
+    {
+      rules.faces[face].connection = true;
+      planar[face] = face;
     }
   }
   for (std::size_t f = 0; f < complex.faces.size(); ++f)
