@@ -200,6 +200,8 @@ struct Converter::Star : VertexStar
   /// The two star edges of a crease through the vertex, or -1.
   std::array<int, 2> crease{ -1, -1 };
 
+  /// Whether kept faces meet at one of the edges so that nothing around it is regular (keptLinesMeet()).
+  bool keptFacesMeet() const;
   bool keepsPoints() const
   {
     return std::find(this->keptFaces.begin(), this->keptFaces.end(), true) != this->keptFaces.end();

@@ -2,6 +2,7 @@
 #include "Converter.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace bsv
 {
@@ -197,9 +198,13 @@ void Converter::convertEdge(int edge)
       const std::vector<double> weights = this->nearWeights(fan, k);
       const Fan values = this->controlFan(edge, fan, k);
       const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
-      const bool keepsAny = std::any_of(keeps.begin(), keeps.end(), [](const SpokeKeep& keep) { return keep.any(); });
+      std::vector<bool> kept;
+      std::transform(
+        keeps.begin(), keeps.end(), std::back_inserter(kept), [](const SpokeKeep& keep) { return keep.any(); });
+      const bool keepsAny = std::find(kept.begin(), kept.end(), true) != kept.end();
+      const bool keepsAll = keptLinesMeet(fan.closed, kept);
       const auto spokeRule = [&](int i) {
-        return keeps[i].any() ? ControlPointRule::Crease : ruleOf(weights[i], KnotInsertion);
+        return kept[i] || keepsAll ? ControlPointRule::Crease : ruleOf(weights[i], KnotInsertion);
       };
       for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
       {
@@ -216,7 +221,7 @@ void Converter::convertEdge(int edge)
         put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
         put(1, 0, values.spokes[i], spokeRule(i));
         put(0, 1, values.spokes[next], spokeRule(next));
-        put(1, 1, values.sectors[i], ruleOf(weights[i], weights[next]));
+        put(1, 1, values.sectors[i], keepsAll ? ControlPointRule::Crease : ruleOf(weights[i], weights[next]));
       }
     }
   }

@@ -109,6 +109,16 @@ void Converter::convertSurface(Star& star) const
       spokeRules[i] = star.rule = ControlPointRule::Crease;
     }
   }
+  std::vector<bool> keptSpokes;
+  for (const SpokeKeep& keep : keeps)
+  {
+    keptSpokes.push_back(features.empty() && keep.any());
+  }
+  if (keptLinesMeet(true, keptSpokes))
+  {
+    spokeRules.assign(n, ControlPointRule::Crease);
+    sectorRules.assign(n, ControlPointRule::Crease);
+  }
 
   star.center = result.center;
   for (int i = 0; i < n; ++i)

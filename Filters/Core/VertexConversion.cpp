@@ -26,6 +26,29 @@ Ijk cornerPoint(const ComplexBlock& owner, int corner, int steps)
 
 } // namespace
 
+bool Converter::Star::keptFacesMeet() const
+{
+  for (std::size_t e = 0; e < this->edges.size(); ++e)
+  {
+    std::vector<bool> kept;
+    for (const int spoke : this->info[e].spokes)
+    {
+      kept.push_back(false);
+      for (std::size_t f = 0; f < this->faces.size(); ++f)
+      {
+        const auto& ends = this->faces[f].edges;
+        kept.back() =
+          kept.back() || (this->keptFaces[f] && std::minmax(ends[0], ends[1]) == std::minmax<int>(e, spoke));
+      }
+    }
+    if (keptLinesMeet(this->info[e].fan->closed, kept))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
 void Converter::convertVertex(int vertex)
 {
   Star star = this->makeStar(vertex);
@@ -68,6 +91,18 @@ void Converter::convertVertex(int vertex)
       }
       star.rule = star.boundary ? star.rule : ControlPointRule::Crease;
     }
+  }
+  if (star.keptFacesMeet())
+  {
+    for (std::size_t e = 0; e < star.edges.size(); ++e)
+    {
+      star.edgeRules[e] = star.edges[e].boundary ? star.edgeRules[e] : ControlPointRule::Crease;
+    }
+    for (std::size_t f = 0; f < star.faces.size(); ++f)
+    {
+      star.faceRules[f] = star.faces[f].boundary ? star.faceRules[f] : ControlPointRule::Crease;
+    }
+    star.blockRules.assign(star.blocks.size(), ControlPointRule::Crease);
   }
 
   this->writeStar(star);
