@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PlainCells.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+// Loops over rows for the vector units that the machine has; results are the same bits for all of them.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__)
+#define BSV_ROW_LOOP __attribute__((target_clones("avx2", "default"), noinline))
+#else
+#define BSV_ROW_LOOP
+#endif
+
+namespace bsv
+{
+
+namespace
+{
+
+/// Vectors along a row of points: all x, all y, all z, and their squared lengths.
+struct Row
+{
+  explicit Row(std::size_t size)
+    : values(4 * size)
+  {
+  }
+
+  std::vector<double> values;
+};
+
+template <typename Real>
+void read(const Real* xyz, int count, Row& to)
+{
+  double* x = to.values.data();
+  for (int i = 0; i < count; ++i)
+  {
+    x[i] = xyz[3 * i];
+    x[i + count] = xyz[3 * i + 1];
+    x[i + 2 * count] = xyz[3 * i + 2];
+  }
+}
+
+/// to[i] = b[i] - a[i] for i = 0 .. count - 1, in rows of `size`
+BSV_ROW_LOOP void subtract(const double* b, const double* a, int count, std::ptrdiff_t size, double* __restrict to)
+{
+  for (int i = 0; i < count; ++i)
+  {
+    const double x = b[i] - a[i];
+    const double y = b[i + size] - a[i + size];
+    const double z = b[i + 2 * size] - a[i + 2 * size];
+    to[i] = x;
+    to[i + size] = y;
+    to[i + 2 * size] = z;
+    to[i + 3 * size] = x * x + y * y + z * z;
+  }
+}
+
+/// @name Per cell of a row: over its corners and edges
+/// Minima and maxima are conditional expressions in place, which the compiler turns into vector instructions.
+///@{
+/// Jacobian (a x b) . c of one corner, from its edges in rows of `size`.
+BSV_ROW_LOOP void takeCorner(const double* a, const double* b, const double* c, int cells, std::ptrdiff_t size,
+  double* __restrict lowest, double* __restrict highest, double* __restrict sum)
+{
+  const std::ptrdiff_t y = size, z = 2 * size;
+  for (int i = 0; i < cells; ++i)
+  {
+    const double jacobian = (a[i + y] * b[i + z] - a[i + z] * b[i + y]) * c[i] +
+      (a[i + z] * b[i] - a[i] * b[i + z]) * c[i + y] + (a[i] * b[i + y] - a[i + y] * b[i]) * c[i + z];
+    lowest[i] = jacobian < lowest[i] ? jacobian : lowest[i];
+    highest[i] = jacobian > highest[i] ? jacobian : highest[i];
+    sum[i] += jacobian;
+  }
+}
+
+/// Squared lengths of four parallel edges.
+BSV_ROW_LOOP void takeLengths(const double* a, const double* b, const double* c, const double* d, int cells,
+  double* __restrict shortest, double* __restrict longest)
+{
+  for (int i = 0; i < cells; ++i)
+  {
+    const double shortAB = a[i] < b[i] ? a[i] : b[i], longAB = a[i] < b[i] ? b[i] : a[i];
+    const double shortCD = c[i] < d[i] ? c[i] : d[i], longCD = c[i] < d[i] ? d[i] : c[i];
+    const double least = shortAB < shortCD ? shortAB : shortCD;
+    const double most = longAB < longCD ? longCD : longAB;
+    shortest[i] = least < shortest[i] ? least : shortest[i];
+    longest[i] = most > longest[i] ? most : longest[i];
+  }
+}
+
+/// Whether cells so far were all positive or all negative (1 or 0), and their volume.
+///
+/// The longest edge stands for the three at a corner; the factors 2 are for rounding, for the same may be computed in
+/// other ways elsewhere. Coordinates that are not numbers make the sum one that is none, infinite ones the bound.
+BSV_ROW_LOOP void conclude(const double* lowest, const double* highest, const double* sum, const double* shortest,
+  const double* longest, int cells, double zeroLengthSquared, double* __restrict positive, double* __restrict negative,
+  double* __restrict volume)
+{
+  for (int i = 0; i < cells; ++i)
+  {
+    const double bound = 2.0 * FlatSquared * longest[i] * longest[i] * longest[i];
+    const double least = lowest[i] > 0.0 ? lowest[i] * lowest[i] : -1.0;
+    const double most = highest[i] < 0.0 ? highest[i] * highest[i] : -1.0;
+    const double valid = shortest[i] > 2.0 * zeroLengthSquared ? 1.0 : 0.0;
+    const double number = sum[i] == sum[i] ? valid : 0.0;
+    positive[i] *= least > bound ? number : 0.0;
+    negative[i] *= most > bound ? number : 0.0;
+    volume[i] += sum[i];
+  }
+}
+///@}
+
+template <typename Real>
+PlainCells check(const GridView& points, int begin, int end, double zeroLengthSquared)
+{
+  const std::array<int, 3>& n = points.counts();
+  const int size = n[0];
+  const int cells = size - 1;
+  // Rows of points at j and j + 1 (first index) and k and k + 1 (second), and the edges from their points.
+  const Row row(size);
+  std::array<std::array<Row, 2>, 2> at{ { { row, row }, { row, row } } }, alongI = at;
+  std::array<Row, 2> alongJ{ row, row }; // at k and k + 1
+  std::array<Row, 2> alongK{ row, row }; // at j and j + 1
+  // Per cell of a row.
+  std::vector<double> lowest(size), highest(size), sum(size), shortest(size), longest(size);
+  // Per i, over all rows.
+  std::vector<double> positive(size, 1.0), negative(size, 1.0), volume(size, 0.0);
+  for (int k = begin; k < end; ++k)
+  {
+    for (int j = 0; j < n[1]; ++j)
+    {
+      // What was at j + 1 is at j now.
+      at[0].swap(at[1]);
+      alongI[0].swap(alongI[1]);
+      std::swap(alongK[0], alongK[1]);
+      for (int layer = 0; layer < 2; ++layer)
+      {
+        read(points.address<Real>(0, j, k + layer), size, at[1][layer]);
+        const double* x = at[1][layer].values.data();
+        subtract(x + 1, x, cells, size, alongI[1][layer].values.data());
+        subtract(x, at[0][layer].values.data(), size, size, alongJ[layer].values.data());
+      }
+      subtract(at[1][1].values.data(), at[1][0].values.data(), size, size, alongK[1].values.data());
+      if (j == 0)
+      {
+        continue;
+      }
+      std::fill(lowest.begin(), lowest.end(), std::numeric_limits<double>::infinity());
+      std::fill(highest.begin(), highest.end(), -std::numeric_limits<double>::infinity());
+      std::fill(sum.begin(), sum.end(), 0.0);
+      std::fill(shortest.begin(), shortest.end(), std::numeric_limits<double>::infinity());
+      std::fill(longest.begin(), longest.end(), 0.0);
+      const auto edge = [&](int direction, int low, int high) -> const double* {
+        return direction == 0 ? alongI[low][high].values.data()
+          : direction == 1    ? alongJ[high].values.data() + low
+                              : alongK[high].values.data() + low;
+      };
+      for (int corner = 0; corner < 8; ++corner)
+      {
+        const int ci = corner & 1, cj = corner >> 1 & 1, ck = corner >> 2;
+        takeCorner(edge(0, cj, ck), edge(1, ci, ck), edge(2, ci, cj), cells, size, lowest.data(), highest.data(),
+          sum.data());
+      }
+      for (int d = 0; d < 3; ++d)
+      {
+        const std::ptrdiff_t lengths = 3 * std::ptrdiff_t(size);
+        takeLengths(edge(d, 0, 0) + lengths, edge(d, 1, 0) + lengths, edge(d, 0, 1) + lengths,
+          edge(d, 1, 1) + lengths, cells, shortest.data(), longest.data());
+      }
+      conclude(lowest.data(), highest.data(), sum.data(), shortest.data(), longest.data(), cells, zeroLengthSquared,
+        positive.data(), negative.data(), volume.data());
+    }
+  }
+
+  PlainCells result;
+  const auto all = [&](const std::vector<double>& flags) {
+    return std::all_of(flags.begin(), flags.begin() + cells, [](double flag) { return flag == 1.0; });
+  };
+  result.sign = all(positive) ? 1 : all(negative) ? -1 : 0;
+  for (int i = 0; i < cells; ++i)
+  {
+    result.volume += volume[i];
+  }
+  return result;
+}
+
+} // namespace
+
+PlainCells plainCells(const GridView& points, int begin, int end, double zeroLengthSquared)
+{
+  return points.isFloat() ? check<float>(points, begin, end, zeroLengthSquared)
+                          : check<double>(points, begin, end, zeroLengthSquared);
+}
+
+} // namespace bsv

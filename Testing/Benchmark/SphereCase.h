@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file SphereCase.h
+/// Six blocks around a sphere, made once for several benchmarks.
+#pragma once
+
+#include "MeshCases.h"
+
+#include <cmath>
+
+namespace bsvbench
+{
+
+struct SphereCase
+{
+  /// About `points` points in all; the faces on the sphere are the boundary "wall".
+  SphereCase(bsv::Index points, bool isFloat)
+    : SphereCase(static_cast<int>(std::lround(std::cbrt(points / 6.0))) - 1, isFloat)
+  {
+  }
+
+  meshcases::MeshCase mesh;
+  bsv::BlockMesh blocks;
+
+private:
+  SphereCase(int cells, bool isFloat)
+  {
+    std::vector<double> radii{ 1.0 };
+    for (int k = 0; k < cells; ++k)
+    {
+      radii.push_back(radii.back() * (1.0 + 1.5 / cells)); // cells about as thick as wide
+    }
+    this->mesh = meshcases::sphereBody(cells, radii);
+    this->mesh.boundaryNames = { "wall" };
+    for (int b = 0; b < 6; ++b)
+    {
+      this->mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, 0 });
+      this->mesh.blocks[b].isFloat = isFloat;
+    }
+    this->blocks = this->mesh.mesh();
+    if (isFloat)
+    {
+      for (meshcases::MeshCase::Block& block : this->mesh.blocks)
+      {
+        std::vector<bsv::Vec3>().swap(block.points);
+      }
+    }
+  }
+};
+
+} // namespace bsvbench
