@@ -75,7 +75,7 @@ void reading(benchmark::State& state, const bsv::QuadflowOptions& options)
 bsv::QuadflowOptions binaryOptions()
 {
   bsv::QuadflowOptions options;
-  //options.binary = true;
+  options.binary = true;
   return options;
 }
 BENCHMARK_CAPTURE(writing, qfmb_text, bsv::QuadflowOptions())->Apply(bsvbench::fileSizes);
