@@ -169,7 +169,8 @@ void Converter::convertFace(int face)
     {
       const Vec3 own = first.at(s, t, 0);
       const Vec3 inner = first.at(s, t, 1);
-      first.write(s, t, 1, insertMask(own, inner, near), wall ? ControlPointRule::WallLayer : ControlPointRule::Regular);
+      first.write(
+        s, t, 1, insertMask(own, inner, near), wall ? ControlPointRule::WallLayer : ControlPointRule::Regular);
       if (shared.boundary())
       {
         first.write(s, t, 0, own, this->Rules.boundaryRule(face));

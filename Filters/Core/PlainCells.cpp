@@ -60,18 +60,24 @@ BSV_ROW_LOOP void subtract(const double* b, const double* a, int count, std::ptr
 /// @name Per cell of a row: over its corners and edges
 /// Minima and maxima are conditional expressions in place, which the compiler turns into vector instructions.
 ///@{
-/// Jacobian (a x b) . c of one corner, from its edges in rows of `size`.
-BSV_ROW_LOOP void takeCorner(const double* a, const double* b, const double* c, int cells, std::ptrdiff_t size,
+/// Jacobians (a x b) . c of the two corners at the ends of the edge a along i: b and c at i, and at i + 1. Rows of `size`.
+BSV_ROW_LOOP void takeCorners(const double* a, const double* b, const double* c, int cells, std::ptrdiff_t size,
   double* __restrict lowest, double* __restrict highest, double* __restrict sum)
 {
   const std::ptrdiff_t y = size, z = 2 * size;
   for (int i = 0; i < cells; ++i)
   {
-    const double jacobian = (a[i + y] * b[i + z] - a[i + z] * b[i + y]) * c[i] +
-      (a[i + z] * b[i] - a[i] * b[i + z]) * c[i + y] + (a[i] * b[i + y] - a[i + y] * b[i]) * c[i + z];
-    lowest[i] = jacobian < lowest[i] ? jacobian : lowest[i];
-    highest[i] = jacobian > highest[i] ? jacobian : highest[i];
-    sum[i] += jacobian;
+    const double ax = a[i], ay = a[i + y], az = a[i + z];
+    const double first = (ay * b[i + z] - az * b[i + y]) * c[i] + (az * b[i] - ax * b[i + z]) * c[i + y] +
+      (ax * b[i + y] - ay * b[i]) * c[i + z];
+    const std::ptrdiff_t n = i + 1;
+    const double second = (ay * b[n + z] - az * b[n + y]) * c[n] + (az * b[n] - ax * b[n + z]) * c[n + y] +
+      (ax * b[n + y] - ay * b[n]) * c[n + z];
+    const double low = first < second ? first : second;
+    const double high = first < second ? second : first;
+    lowest[i] = low < lowest[i] ? low : lowest[i];
+    highest[i] = high > highest[i] ? high : highest[i];
+    sum[i] += first + second;
   }
 }
 
@@ -157,10 +163,10 @@ PlainCells check(const GridView& points, int begin, int end, double zeroLengthSq
           : direction == 1    ? alongJ[high].values.data() + low
                               : alongK[high].values.data() + low;
       };
-      for (int corner = 0; corner < 8; ++corner)
+      for (int side = 0; side < 4; ++side)
       {
-        const int ci = corner & 1, cj = corner >> 1 & 1, ck = corner >> 2;
-        takeCorner(edge(0, cj, ck), edge(1, ci, ck), edge(2, ci, cj), cells, size, lowest.data(), highest.data(),
+        const int cj = side & 1, ck = side >> 1;
+        takeCorners(edge(0, cj, ck), edge(1, 0, ck), edge(2, 0, cj), cells, size, lowest.data(), highest.data(),
           sum.data());
       }
       for (int d = 0; d < 3; ++d)

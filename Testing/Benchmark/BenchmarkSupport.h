@@ -132,13 +132,14 @@ inline Clock clockFor(int threads)
   return threads == 1 ? Clock::Processor : Clock::Wall;
 }
 
-/// The benchmark's loop. Returns the time of its fastest iteration.
-template <typename Body>
-double fastest(benchmark::State& state, const Body& body, Clock clock)
+/// The benchmark's loop. Returns the time of its fastest iteration; `prepare` is called before each and not timed.
+template <typename Body, typename Prepare>
+double fastest(benchmark::State& state, const Body& body, Clock clock, const Prepare& prepare)
 {
   double seconds = std::numeric_limits<double>::max();
   for (auto _ : state)
   {
+    prepare();
     seconds = std::min(seconds, secondsOf(body, clock));
   }
   return seconds;
@@ -146,7 +147,7 @@ double fastest(benchmark::State& state, const Body& body, Clock clock)
 template <typename Body>
 double fastest(benchmark::State& state, const Body& body)
 {
-  return fastest(state, body, clockFor(threadsOf(state)));
+  return fastest(state, body, clockFor(threadsOf(state)), [] {});
 }
 
 struct Copy
