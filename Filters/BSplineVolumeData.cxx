@@ -86,6 +86,13 @@ const unsigned char* rulesOf(vtkStructuredGrid* grid, const std::string& label)
 
 } // namespace
 
+int BSplineVolumeBlocks::firstRational() const
+{
+  const auto found = std::find_if(
+    this->volumes.begin(), this->volumes.end(), [](const BSplineVolume& volume) { return volume.weights != nullptr; });
+  return found == this->volumes.end() ? -1 : static_cast<int>(found - this->volumes.begin());
+}
+
 BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input)
 {
   BSplineVolumeBlocks result;
@@ -109,6 +116,8 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input)
       const int points = mesh.blocks[b].points.counts()[d];
       volume.knots[d] = fieldValues(grid, KnotNames[d], static_cast<std::size_t>(points) + volume.degree[d] + 1, label);
     }
+    result.weights.push_back(doublePointArray(grid, "Weights", 1, result.names[b]));
+    volume.weights = result.weights.back() ? result.weights.back()->GetPointer(0) : nullptr;
     checkBSplineVolume(volume, label);
     volume.points = doublePoints(grid);
     result.volumes.push_back(volume);

@@ -9,6 +9,7 @@
 /// |--------------------|-------|---------|--------|
 /// | `Degree`           | field | int     | 3: degree per direction, 1..MaxDegree |
 /// | `KnotsU`, `KnotsV`, `KnotsW` | field | double | dimension + degree + 1, non-decreasing |
+/// | `Weights`          | point | double  | optional: one positive weight, rational volume |
 /// | `ControlPointRule` | point | unsigned char | optional: bsv::ControlPointRule |
 ///
 /// The root's field data holds `Interfaces`, `Boundaries` and `BoundaryNames` as in HexBlockData.h; every entry must
@@ -26,6 +27,7 @@
 #include <vector>
 
 class vtkDataObject;
+class vtkDoubleArray;
 class vtkPartitionedDataSetCollection;
 class vtkStructuredGrid;
 
@@ -38,6 +40,8 @@ struct BSplineVolumeBlocks
   std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
   std::vector<std::string> names;
   std::vector<BSplineVolume> volumes;
+  /// The memory behind weights that had to be converted; null otherwise.
+  std::vector<vtkSmartPointer<vtkDoubleArray>> weights;
   /// One code per control point, or null.
   std::vector<const unsigned char*> rules;
 
@@ -46,6 +50,9 @@ struct BSplineVolumeBlocks
   std::vector<Interface> interfaces;
   std::vector<BoundaryPatch> boundaries;
   std::vector<std::string> boundaryNames;
+
+  /// The first block that is rational, or -1.
+  int firstRational() const;
 
   /// Where a message is about this block: "block 3 'wing'".
   std::string label(std::size_t block) const

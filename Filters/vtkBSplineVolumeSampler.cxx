@@ -4,6 +4,7 @@
 #include "BSplineVolumeData.h"
 #include "FilterExecution.h"
 #include "HexBlockData.h"
+#include "MemoryCheck.h"
 #include "Sampling.h"
 
 #include "vtkDataObject.h"
@@ -16,10 +17,8 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkStructuredGrid.h"
-#include "vtksys/SystemInformation.hxx"
 
 #include <limits>
-#include <sstream>
 
 vtkStandardNewMacro(vtkBSplineVolumeSampler);
 
@@ -84,17 +83,7 @@ int vtkBSplineVolumeSampler::RequestData(
       total += points;
     }
     const int arrays = this->ComputeDerivatives ? 4 : 1;
-    vtksys::SystemInformation machine;
-    const double gigabytes = total * arrays * 3 * sizeof(double) / 1e9;
-    const double present = static_cast<double>(machine.GetHostMemoryTotal()) * 1024 / 1e9;
-    if (gigabytes > present)
-    {
-      // A smaller request that does not fit into what is free is left to the operating system.
-      std::ostringstream text;
-      text << "Level " << this->Level << " needs " << gigabytes << " GB for the samples; this machine has " << present
-           << " GB";
-      throw bsv::Error(text.str());
-    }
+    bsv::requireMemory(total * arrays * 3 * sizeof(double), "Level " + std::to_string(this->Level), "the samples");
 
     static constexpr std::array<std::array<int, 3>, 4> Orders{ { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
     static constexpr const char* Names[4] = { "", "dXdU", "dXdV", "dXdW" };

@@ -275,7 +275,7 @@ void setTotals(vtkDataObject* data, const Samples& samples)
   setNumber(data, "MaximumNormalDeviation", samples.maximumAngle);
 }
 
-/// Samples of the wall: points, quadrilaterals, `BlockId`, and the deviation from the body.
+/// Samples of the wall: points, quadrilaterals, `BlockId`, the deviation from the body and the feet on it.
 Samples wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolumeBlocks& input, int level,
   const bsv::BodySurface& body, vtkPolyData* wall, const bsv::Execution& run)
 {
@@ -318,6 +318,18 @@ Samples wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolume
   wall->SetPoints(points);
   wall->SetPolys(quads);
   wall->GetPointData()->AddArray(blocks);
+  const auto addTriples = [&](const char* name) {
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(name);
+    array->SetNumberOfComponents(3);
+    array->SetNumberOfTuples(count);
+    wall->GetPointData()->AddArray(array);
+    return array->GetPointer(0);
+  };
+  double* patchUV = addTriples("PatchUV");
+  double* projected = addTriples("ProjectedPoint");
+  double* normals = addTriples("SurfaceNormal");
+  double* forms = addTriples("SecondFundamentalForm");
   Samples samples(wall);
   for (std::size_t f = 0; f < faces.size(); ++f)
   {
@@ -331,7 +343,14 @@ Samples wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolume
           faces[f].patch.surface, grid.parameters[0][i % ns], grid.parameters[1][i / ns]);
         points->SetPoint(grid.start + i, at.point.data());
         blocks->SetValue(grid.start + i, faces[f].block);
-        samples.measure(grid.start + i, at.point, at.normal, body);
+        const bsv::BodyPoint foot = samples.measure(grid.start + i, at.point, at.normal, body);
+        const Index to = 3 * (grid.start + i);
+        const double parameters[3] = { static_cast<double>(foot.patch), foot.u, foot.v };
+        const double form[3] = { foot.geometry.L, foot.geometry.M, foot.geometry.N };
+        std::copy_n(parameters, 3, patchUV + to);
+        std::copy_n(foot.geometry.point.data(), 3, projected + to);
+        std::copy_n(foot.geometry.normal.data(), 3, normals + to);
+        std::copy_n(form, 3, forms + to);
       }
     });
   }

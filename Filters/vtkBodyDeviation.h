@@ -19,7 +19,9 @@
  *   not count. Where several patches share the closest point (within 1e-6 of the other surface's size) the smallest
  *   angle, so that points on an edge are compared with their own side; 0 where a surface has no normal.
  *
- * of `Wall` also `BlockId` (int), of `Body` `Covered` (unsigned char): 0 where the body goes on beyond the border of
+ * of `Wall` also `BlockId` (int) and the closest point on the body: `PatchUV` (patch, u, v), `ProjectedPoint`,
+ * `SurfaceNormal` (unit, outward) and `SecondFundamentalForm` (L, M, N with respect to u, v and that normal), three
+ * doubles each; of `Body` `Covered` (unsigned char): 0 where the body goes on beyond the border of
  * the wall, as behind a symmetry plane or if the mesh covers a part only; the closest point then lies on the wall's
  * outer border and is seen at more than 45 degrees from the normal there. These points count in no total.
  *

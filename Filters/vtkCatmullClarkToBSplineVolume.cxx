@@ -135,9 +135,10 @@ struct WallPoints
   std::string report;
 };
 
-/// Decides how the wall's points are taken, and fits its control mesh if they lie on the body.
+/// Decides how the wall's points are taken, and fits its control mesh: all of it if they lie on the body, else along the
+/// edges of the body.
 WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptions& options, int inputPoints,
-  const bsv::BoundaryPatterns& patterns, const bsv::BodyFitOptions& fit, const bsv::Execution& run)
+  const bsv::BoundaryPatterns& patterns, bsv::BodyFitOptions fit, const bsv::Execution& run)
 {
   using Filter = vtkCatmullClarkToBSplineVolume;
   const bool wall = std::any_of(complex.faces.begin(), complex.faces.end(), [&](const bsv::ComplexFace& face) {
@@ -166,12 +167,13 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
   }
   text << "input points taken as " << (result.onBody ? "OnBody" : "ControlNet")
        << (inputPoints == Filter::AUTOMATIC ? ", chosen automatically\n" : "\n");
-  if (result.onBody)
+  if (result.onBody || options.body)
   {
+    fit.edgesOnly = !result.onBody;
     const bsv::BodyFitReport report = bsv::fitBody(complex, options, fit, run);
-    text << "wall fitted in " << report.iterations << " iterations: limit points within " << report.residual
-         << " of their targets, before " << report.initialResidual << "; wall points moved by up to "
-         << report.displacement << '\n';
+    text << (result.onBody ? "wall" : "creases and borders of the wall") << " fitted in " << report.iterations
+         << " iterations: limit points within " << report.residual << " of their targets, before "
+         << report.initialResidual << "; wall points moved by up to " << report.displacement << '\n';
   }
   result.report = text.str();
   return result;

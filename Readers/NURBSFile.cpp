@@ -2,15 +2,13 @@
 #include "NURBSFile.h"
 
 #include "BSplineVolume.h"
+#include "G2File.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
-#include <map>
 
 namespace bsv
 {
@@ -19,112 +17,6 @@ namespace
 {
 
 constexpr int MaxCutsPerSpan = 32;
-
-std::string readAll(const std::string& fileName)
-{
-  std::ifstream stream(fileName, std::ios::binary);
-  if (!stream)
-  {
-    throw Error(fileName + ": cannot be opened");
-  }
-  std::string text{ std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
-  if (stream.bad())
-  {
-    throw Error(fileName + ": cannot be read");
-  }
-  return text;
-}
-
-/// Numbers of a text, with line numbers for messages.
-class Scanner
-{
-public:
-  Scanner(const std::string& text, const std::string& fileName)
-    : At(text.data())
-    , End(text.data() + text.size())
-    , FileName(fileName)
-  {
-  }
-
-  [[noreturn]] void fail(const std::string& what) const
-  {
-    throw Error(this->FileName + ", line " + std::to_string(this->Line) + ": " + what);
-  }
-
-  bool atEnd()
-  {
-    for (; this->At != this->End; ++this->At)
-    {
-      if (*this->At == '\n')
-      {
-        ++this->Line;
-      }
-      else if (*this->At != ' ' && *this->At != '\t' && *this->At != '\r')
-      {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  template <typename Number>
-  Number next(const char* what)
-  {
-    if (this->atEnd())
-    {
-      this->fail(std::string("the file ends where ") + what + " should follow");
-    }
-    const char* end = std::find_if(this->At, this->End, [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); });
-    Number value{};
-    // from_chars knows no plus sign.
-    const char* begin = *this->At == '+' ? this->At + 1 : this->At;
-    const auto result = std::from_chars(begin, end, value);
-    if (result.ec != std::errc() || result.ptr != end || !std::isfinite(static_cast<double>(value)))
-    {
-      this->fail("'" + std::string(this->At, std::min(end, this->At + 40)) + "' is no " +
-        (std::is_integral<Number>::value ? "whole number" : "finite number") + " (" + what + ")");
-    }
-    this->At = end;
-    return value;
-  }
-
-  int integer(const char* what, int low, int high)
-  {
-    const long long value = this->next<long long>(what);
-    if (value < low || value > high)
-    {
-      this->fail(std::string(what) + " is " + std::to_string(value) + ", not in " + std::to_string(low) + ".." +
-        std::to_string(high));
-    }
-    return static_cast<int>(value);
-  }
-
-  /// @throws Error if the rest of the file cannot hold so many numbers.
-  void expect(double numbers) const
-  {
-    if (numbers > static_cast<double>(this->End - this->At) / 2.0 + 1.0)
-    {
-      this->fail("the file is too short for the number of control points that is given here");
-    }
-  }
-
-private:
-  const char* At;
-  const char* End;
-  int Line = 1;
-  std::string FileName;
-};
-
-std::string className(int code)
-{
-  static const std::map<int, std::string> names = { { 110, "curve on surface" }, { 120, "line" }, { 130, "circle" },
-    { 140, "ellipse" }, { 150, "bounded curve" }, { 160, "hyperbola" }, { 170, "parabola" },
-    { 210, "bounded (trimmed) surface" }, { 220, "surface on volume" }, { 250, "plane" }, { 260, "cylinder" },
-    { 270, "sphere" }, { 280, "cone" }, { 290, "torus" }, { 291, "surface of revolution" }, { 292, "disc" },
-    { 400, "point cloud" }, { 410, "line cloud" }, { 700, "spline volume" }, { 710, "bounded volume" } };
-  const auto found = names.find(code);
-  return found == names.end() ? "unknown" : found->second;
-}
 
 } // namespace
 
@@ -170,84 +62,30 @@ NURBSFileContent parseG2(const std::string& text, const std::string& fileName)
 {
   NURBSFileContent content;
   content.format = "GoTools g2";
-  Scanner in(text, fileName);
+  TextScanner in(text, fileName);
   int curves = 0;
   while (!in.atEnd())
   {
-    const int code = in.integer("the class", 0, 999999);
-    in.integer("the major version", 0, 999);
-    in.integer("the minor version", 0, 999);
-    const int extra = in.integer("the number of auxiliary data", 0, 64);
-    for (int i = 0; i < extra; ++i)
+    const int code = readG2Header(in);
+    if (code != G2Surface && code != G2Curve)
     {
-      in.next<long long>("auxiliary data");
-    }
-    if (code != 200 && code != 100)
-    {
-      in.fail("class " + std::to_string(code) + " (" + className(code) +
+      in.fail("class " + std::to_string(code) + " (" + nameOfG2Class(code) +
         ") is not supported; of GoTools files only spline surfaces (class 200) are read");
     }
-    const int directions = code == 200 ? 2 : 1;
-    const int dimension = in.integer("the dimension", 1, 3);
-    const bool rational = in.integer("the rational flag", 0, 1) == 1;
-    if (directions == 2 && dimension != 3)
-    {
-      in.fail("the surface has dimension " + std::to_string(dimension) + " instead of 3");
-    }
-    BodyPatch patch;
-    double points = 1.0;
-    for (int d = 0; d < directions; ++d)
-    {
-      const int count = in.integer("the number of control points", 2, 1 << 28);
-      const int order = in.integer("the order", 2, MaxSurfaceDegree + 1);
-      if (order > count)
-      {
-        in.fail(
-          "the order " + std::to_string(order) + " exceeds the number of control points " + std::to_string(count));
-      }
-      points *= count;
-      in.expect(points * dimension);
-      patch.surface.degree[d] = order - 1;
-      patch.surface.knots[d].resize(static_cast<std::size_t>(count) + order);
-      for (double& knot : patch.surface.knots[d])
-      {
-        const double last = &knot == patch.surface.knots[d].data() ? knot : *(&knot - 1);
-        knot = in.next<double>("a knot");
-        if (&knot != patch.surface.knots[d].data() && knot < last)
-        {
-          in.fail("a knot is smaller than the one before it");
-        }
-      }
-    }
-    in.expect(points * (dimension + rational));
-    if (directions == 1)
+    G2Spline spline = readG2Spline(in, code, MaxSurfaceDegree);
+    if (code == G2Curve)
     {
       ++curves;
-      for (double i = 0; i < points * (dimension + rational); ++i)
-      {
-        in.next<double>("a coordinate");
-      }
       continue;
     }
-    for (double i = 0; i < points; ++i)
+    BodyPatch patch;
+    for (int d = 0; d < 2; ++d)
     {
-      Vec3 x;
-      for (int c = 0; c < 3; ++c)
-      {
-        x[c] = in.next<double>("a coordinate");
-      }
-      if (rational)
-      {
-        const double weight = in.next<double>("a weight");
-        if (!(weight > 0.0))
-        {
-          in.fail("the weight " + std::to_string(weight) + " is not positive");
-        }
-        x /= weight;
-        patch.surface.weights.push_back(weight);
-      }
-      patch.surface.points.push_back(x);
+      patch.surface.degree[d] = spline.degree[d];
+      patch.surface.knots[d] = std::move(spline.knots[d]);
     }
+    patch.surface.points = std::move(spline.points);
+    patch.surface.weights = std::move(spline.weights);
     patch.name = "Surface " + std::to_string(content.patches.size() + 1);
     try
     {
@@ -262,7 +100,7 @@ NURBSFileContent parseG2(const std::string& text, const std::string& fileName)
   }
   if (curves > 0)
   {
-    content.others.emplace_back("spline curve", curves);
+    content.others.emplace_back(nameOfG2Class(G2Curve), curves);
   }
   return content;
 }
@@ -343,14 +181,14 @@ NURBSFileContent readNURBSFile(const std::string& fileName, double tolerance, co
   if (format.empty())
   {
     // Says why, if it cannot even be opened.
-    const std::string text = readAll(fileName);
+    const std::string text = readTextFile(fileName);
     throw Error(
       fileName + (text.empty() ? ": the file is empty" : ": neither an IGES, STEP, BREP nor a GoTools g2 file"));
   }
   NURBSFileContent content;
   if (format == "GoTools g2")
   {
-    content = parseG2(readAll(fileName), fileName);
+    content = parseG2(readTextFile(fileName), fileName);
     Eigen::AlignedBox3d box;
     for (const BodyPatch& patch : content.patches)
     {

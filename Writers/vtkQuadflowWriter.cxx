@@ -131,6 +131,11 @@ void vtkQuadflowWriter::WriteData()
       throw bsv::Error("The blocks are distributed over several ranks; rank 0 must hold all of them.");
     }
     bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(this->GetInput());
+    if (const int rational = blocks.firstRational(); rational >= 0)
+    {
+      throw bsv::Error(
+        blocks.label(rational) + " is rational (point data array 'Weights'), and .qfmb holds polynomials only");
+    }
     bsv::QuadflowInput input;
     input.volumes = std::move(blocks.volumes);
     input.names = std::move(blocks.names);

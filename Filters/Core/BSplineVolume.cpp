@@ -48,6 +48,47 @@ LocalBasis localBasis(int degree, int order, const std::vector<double>& knots, d
   return basis;
 }
 
+/// x, y, z and weight: the derivative of the numerator and of the denominator. The weight of a polynomial volume is 1.
+Eigen::Vector4d homogeneous(const BSplineVolume& volume, const Vec3& uvw, const std::array<int, 3>& derivative)
+{
+  std::array<LocalBasis, 3> basis;
+  for (int d = 0; d < 3; ++d)
+  {
+    basis[d] = localBasis(volume.degree[d], derivative[d], volume.knots[d], uvw[d], Axes[d]);
+  }
+  const Index rowStride = volume.count(0);
+  const Index layerStride = rowStride * volume.count(1);
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (int c = 0; c <= volume.degree[2]; ++c)
+  {
+    Eigen::Vector4d layer = Eigen::Vector4d::Zero();
+    for (int b = 0; b <= volume.degree[1]; ++b)
+    {
+      Index at = basis[0].first + (basis[1].first + b) * rowStride + (basis[2].first + c) * layerStride;
+      Eigen::Vector4d row = Eigen::Vector4d::Zero();
+      for (int a = 0; a <= volume.degree[0]; ++a, ++at)
+      {
+        const double weight = volume.weights ? volume.weights[at] : 1.0;
+        const double* point = volume.points + 3 * at;
+        row += basis[0].values[a] * Eigen::Vector4d(weight * point[0], weight * point[1], weight * point[2], weight);
+      }
+      layer += basis[1].values[b] * row;
+    }
+    sum += basis[2].values[c] * layer;
+  }
+  return sum;
+}
+
+double binomial(int n, int k)
+{
+  double result = 1.0;
+  for (int i = 1; i <= k; ++i)
+  {
+    result = result * (n - k + i) / i;
+  }
+  return result;
+}
+
 } // namespace
 
 std::vector<double> clampedIntegerKnots(int cells)
@@ -116,6 +157,36 @@ void checkBSplineVolume(const BSplineVolume& volume, const std::string& name)
       }
     }
   }
+  if (volume.weights)
+  {
+    const Index points = Index(volume.count(0)) * volume.count(1) * volume.count(2);
+    for (Index i = 0; i < points; ++i)
+    {
+      if (!(volume.weights[i] > 0.0 && std::isfinite(volume.weights[i])))
+      {
+        std::ostringstream text;
+        text << name << ": the weight of control point " << i << " is " << volume.weights[i] << ", not positive";
+        throw Error(text.str());
+      }
+    }
+  }
+}
+
+std::vector<double> homogeneousNet(const BSplineVolume& volume)
+{
+  const Index points = Index(volume.count(0)) * volume.count(1) * volume.count(2);
+  std::vector<double> net;
+  net.reserve(4 * points);
+  for (Index i = 0; i < points; ++i)
+  {
+    const double weight = volume.weights ? volume.weights[i] : 1.0;
+    for (int c = 0; c < 3; ++c)
+    {
+      net.push_back(weight * volume.points[3 * i + c]);
+    }
+    net.push_back(weight);
+  }
+  return net;
 }
 
 void basisFunctions(int degree, int order, const double* left, const double* right, double* values)
@@ -151,36 +222,51 @@ void basisFunctions(int degree, int order, const double* left, const double* rig
 
 Vec3 evaluate(const BSplineVolume& volume, const Vec3& uvw, const std::array<int, 3>& derivative)
 {
-  std::array<LocalBasis, 3> basis;
   for (int d = 0; d < 3; ++d)
   {
     if (derivative[d] < 0)
     {
       throw Error("derivative " + std::to_string(derivative[d]) + " in direction " + Axes[d] + " is negative");
     }
-    basis[d] = localBasis(volume.degree[d], derivative[d], volume.knots[d], uvw[d], Axes[d]);
+  }
+  if (!volume.weights)
+  {
+    return homogeneous(volume, uvw, derivative).head<3>();
   }
 
-  const Index rowStride = volume.count(0);
-  const Index layerStride = rowStride * volume.count(1);
-  Vec3 sum = Vec3::Zero();
-  for (int c = 0; c <= volume.degree[2]; ++c)
+  // All lower derivatives, in an order in which each follows those that it needs.
+  const std::array<int, 3> counts{ derivative[0] + 1, derivative[1] + 1, derivative[2] + 1 };
+  const auto slot = [&](int a, int b, int c) { return a + counts[0] * (b + counts[1] * c); };
+  std::vector<Vec3> values(static_cast<std::size_t>(counts[0]) * counts[1] * counts[2]);
+  std::vector<double> weights(values.size());
+  for (int c = 0; c < counts[2]; ++c)
   {
-    Vec3 layer = Vec3::Zero();
-    for (int b = 0; b <= volume.degree[1]; ++b)
+    for (int b = 0; b < counts[1]; ++b)
     {
-      const double* point =
-        volume.points + 3 * (basis[0].first + (basis[1].first + b) * rowStride + (basis[2].first + c) * layerStride);
-      Vec3 row = Vec3::Zero();
-      for (int a = 0; a <= volume.degree[0]; ++a, point += 3)
+      for (int a = 0; a < counts[0]; ++a)
       {
-        row += basis[0].values[a] * Eigen::Map<const Vec3>(point);
+        const Eigen::Vector4d point = homogeneous(volume, uvw, { a, b, c });
+        weights[slot(a, b, c)] = point[3];
+        Vec3 value = point.head<3>();
+        for (int r = 0; r <= c; ++r)
+        {
+          for (int q = 0; q <= b; ++q)
+          {
+            for (int p = 0; p <= a; ++p)
+            {
+              if (p + q + r > 0)
+              {
+                value -= binomial(a, p) * binomial(b, q) * binomial(c, r) * weights[slot(p, q, r)] *
+                  values[slot(a - p, b - q, c - r)];
+              }
+            }
+          }
+        }
+        values[slot(a, b, c)] = value / weights[0];
       }
-      layer += basis[1].values[b] * row;
     }
-    sum += basis[2].values[c] * layer;
   }
-  return sum;
+  return values.back();
 }
 
 } // namespace bsv

@@ -4,6 +4,10 @@
 ///
 ///   x(u,v,w) = sum_abc N_a(u) N_b(v) N_c(w) P_abc
 ///
+/// and, where there are weights, the rational
+///
+///   x(u,v,w) = sum_abc N_a(u) N_b(v) N_c(w) w_abc P_abc / sum_abc N_a(u) N_b(v) N_c(w) w_abc.
+///
 /// Control points are stored a fastest, then b, then c. Knots are data: any degree up to MaxDegree and any
 /// non-decreasing knot vector.
 ///
@@ -22,7 +26,7 @@ namespace bsv
 /// Largest degree of a B-spline in any direction; the smallest is 1.
 constexpr int MaxDegree = 8;
 
-/// View of a block: knots owned, control points not.
+/// View of a block: knots owned, control points and weights not.
 struct BSplineVolume
 {
   std::array<int, 3> degree{ 3, 3, 3 };
@@ -30,6 +34,8 @@ struct BSplineVolume
   std::array<std::vector<double>, 3> knots;
   /// count(0) * count(1) * count(2) triples.
   const double* points = nullptr;
+  /// One positive weight per control point, or null: a polynomial volume. Points are not multiplied by them.
+  const double* weights = nullptr;
 
   int count(int direction) const
   {
@@ -46,8 +52,11 @@ std::vector<int> nonEmptySpans(int degree, const std::vector<double>& knots);
 
 /// @throws Error, beginning with `name`, unless degrees are 1..MaxDegree and every knot vector is finite and
 /// non-decreasing, has at least 2 (degree + 1) knots and a non-empty domain, and repeats no knot inside the domain more
-/// than degree times (the volume would be torn there).
+/// than degree times (the volume would be torn there), and all weights are finite and positive.
 void checkBSplineVolume(const BSplineVolume& volume, const std::string& name);
+
+/// w x, w y, w z and w of every control point, with w = 1 in a polynomial volume.
+std::vector<double> homogeneousNet(const BSplineVolume& volume);
 
 /// The `degree` + 1 B-splines that are not zero on one span, or their derivatives, at one parameter u.
 ///
@@ -61,6 +70,7 @@ void basisFunctions(int degree, int order, const double* left, const double* rig
 
 /// Value (derivative = {0,0,0}) or mixed partial derivative at `uvw`, which must lie in the knots' range.
 /// On a knot the polynomial of the span to its right is taken, on the last knot that of the last span.
+/// Derivatives of rational volumes: quotient rule, (4.20) of Piegl and Tiller for three parameters.
 /// @throws Error if `uvw` lies outside or a derivative is negative.
 Vec3 evaluate(const BSplineVolume& volume, const Vec3& uvw, const std::array<int, 3>& derivative = { 0, 0, 0 });
 

@@ -3,6 +3,8 @@
 /// Bezier form of B-spline spans and its halving, on control points of any vector type.
 #pragma once
 
+#include "BSplineVolume.h"
+
 #include <vector>
 
 namespace bsv
@@ -32,6 +34,31 @@ void bezierOfSpan(int degree, const std::vector<double>& knots, int span, const 
       }
     }
     bezier[j] = work[degree];
+  }
+}
+
+/// bezierOfSpan() as a matrix: Bezier point j is sum_i weights[j (degree + 1) + i] times control point
+/// span - degree + i. Reversing the knots mirrors the weights exactly.
+/// @param[out] weights (degree + 1)^2 numbers; degree is at most MaxDegree.
+inline void bezierWeights(int degree, const std::vector<double>& knots, int span, double* weights)
+{
+  const int size = degree + 1;
+  // The knots that matter, seen from the other end.
+  std::vector<double> mirrored(2 * size);
+  for (int i = 0; i < 2 * size; ++i)
+  {
+    mirrored[i] = -knots[span + 1 + degree - i];
+  }
+  double forward[MaxDegree + 1];
+  double backward[MaxDegree + 1];
+  for (int i = 0; i < size; ++i)
+  {
+    bezierOfSpan(degree, knots, span, [i](int k) { return k == i ? 1.0 : 0.0; }, forward);
+    bezierOfSpan(degree, mirrored, degree, [&](int k) { return k == degree - i ? 1.0 : 0.0; }, backward);
+    for (int j = 0; j < size; ++j)
+    {
+      weights[j * size + i] = 0.5 * (forward[j] + backward[degree - j]);
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include "BlockSurface.h"
 #include "EdgeFans.h"
 #include "EntityRules.h"
+#include "LayerRules.h"
 #include "OrderFreeSum.h"
 
 #include <algorithm>
@@ -151,7 +152,8 @@ private:
   std::vector<PointAt> Places;
 };
 
-/// The limit masks of all wall points as rows over the wall points.
+/// The limit masks of all wall points as rows over the wall points: where the converted wall passes at its mesh points,
+/// but for what the rules at extraordinary vertices change at the points around them (ExtraordinaryFans).
 class LimitRows
 {
 public:
@@ -177,6 +179,16 @@ public:
 
   /// Whether the point lies on a crease, a border of the wall or at a corner.
   bool onFeature(Index id) const { return this->Rows[id].kind != Kind::Tensor && this->Rows[id].kind != Kind::Ring; }
+
+  /// The points around an extraordinary vertex, inside the wall: next ones, then diagonals. Empty at all other points.
+  const std::vector<Index>& ring(Index id) const
+  {
+    static const std::vector<Index> none;
+    const Row& row = this->Rows[id];
+    return row.kind == Kind::Ring && row.next != 4 ? row.points : none;
+  }
+  /// Whether the wall is regular there.
+  bool isTensor(Index id) const { return this->Rows[id].kind == Kind::Tensor; }
 
   Vec3 apply(Index id, const std::vector<Vec3>& x) const
   {
@@ -341,6 +353,100 @@ private:
   }
 
   std::vector<Row> Rows;
+};
+
+/// What the rules at extraordinary vertices change in where the wall passes at the mesh points around them.
+///
+/// At knot 1 of a clamped direction the values have the weights 1/4, 7/12, 1/6 of the inserted point and of the next
+/// two. With the inserted points of the regular rule that is the limit mask; with those of the fan,
+/// - at the next point e_i along an edge, whose mask has the part ((e_(i-1) + 4 p + e_(i+1)) / 6) / 6 at the vertex p:
+///   one quarter of the inserted point, less one twelfth of (f_(i-1) + 4 e_i + f_i) / 6, in place of that part;
+/// - at the diagonal point: 1/16 of what the inserted point of the sector is off the regular one.
+class ExtraordinaryFans
+{
+public:
+  ExtraordinaryFans(const LimitRows& rows, Index points, Twist twist)
+    : Rule(twist)
+  {
+    for (Index id = 0; id < points; ++id)
+    {
+      const std::vector<Index>& ring = rows.ring(id);
+      if (!ring.empty())
+      {
+        this->Centers.push_back(id);
+        this->Rings.push_back(ring);
+        this->Feet.emplace_back();
+        this->HasFoot.push_back(false);
+        for (const Index at : ring)
+        {
+          if (rows.isTensor(at))
+          {
+            this->Slots[at]; // creates it
+          }
+        }
+      }
+    }
+  }
+
+  std::size_t size() const { return this->Centers.size(); }
+  Index center(std::size_t fan) const { return this->Centers[fan]; }
+  void setFoot(std::size_t fan, const SurfaceGeometry& geometry)
+  {
+    this->HasFoot[fan] = geometry.normal.norm() > 0.0;
+    this->Feet[fan] = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+  }
+
+  /// Adds the changes to `values`, the limit masks' values for the wall points `x`.
+  void correct(const std::vector<Vec3>& x, std::vector<Vec3>& values)
+  {
+    for (std::size_t c = 0; c < this->Centers.size(); ++c)
+    {
+      const std::vector<Index>& ring = this->Rings[c];
+      const int n = static_cast<int>(ring.size() / 2);
+      Fan fan;
+      fan.center = x[this->Centers[c]];
+      for (int i = 0; i < n; ++i)
+      {
+        fan.spokes.push_back(x[ring[i]]);
+        fan.sectors.push_back(x[ring[n + i]]);
+      }
+      const Fan points = this->HasFoot[c] ? projectedFan(fan, this->Feet[c], this->Rule)
+                                          : smoothFan(fan, this->Rule, std::vector<double>(n, 2.0 / 3.0));
+      for (int i = 0; i < n; ++i)
+      {
+        const int before = (i + n - 1) % n, after = (i + 1) % n;
+        this->add(ring[i],
+          0.25 * points.spokes[i] - smoothMask(fan.sectors[before], fan.spokes[i], fan.sectors[i]) / 12.0 -
+            smoothMask(fan.spokes[before], fan.center, fan.spokes[after]) / 6.0);
+        this->add(ring[n + i],
+          (points.sectors[i] - (4.0 * fan.center + 2.0 * (fan.spokes[i] + fan.spokes[after]) + fan.sectors[i]) / 9.0) /
+            16.0);
+      }
+    }
+    for (auto& slot : this->Slots)
+    {
+      values[slot.first] += slot.second.result(1.0);
+      slot.second.clear();
+    }
+  }
+
+private:
+  /// A point can lie next to several vertices.
+  void add(Index id, const Vec3& change)
+  {
+    const auto slot = this->Slots.find(id);
+    if (slot != this->Slots.end())
+    {
+      slot->second.add(1.0, change);
+    }
+  }
+
+  Twist Rule;
+  std::vector<Index> Centers;
+  std::vector<std::vector<Index>> Rings;
+  std::vector<BodyFoot> Feet;
+  std::vector<bool> HasFoot;
+  std::map<Index, OrderFreeSum> Slots;
 };
 
 /// Displacement of one mesh point; the one with the larger weight counts where several reach it.
@@ -650,6 +756,10 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
   {
     throw Error("Propagation Range " + text(options.range) + " is not at least 0");
   }
+  if (options.edgesOnly && !options.body)
+  {
+    throw Error("limit points can be moved to the edges of a body only if there is one");
+  }
   const EntityRules rules = classify(complex, conversion, run);
   const Wall wall(complex, rules);
   BodyFitReport report;
@@ -659,6 +769,11 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     return report;
   }
   const LimitRows rows(complex, rules, wall);
+  ExtraordinaryFans fans(rows, wall.size(), conversion.twist);
+  const auto isFixed = [&](Index i) { return options.edgesOnly && !rows.onFeature(i); };
+  const auto limit = [&](Index i, const std::vector<Vec3>& points) {
+    return isFixed(i) ? points[i] : rows.apply(i, points);
+  };
   const auto forAll = [&](const auto& body) {
     run.parallelFor(wall.size(), 256, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
@@ -681,13 +796,18 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
   if (options.body)
   {
     forAll([&](Index i) {
-      const BodyPoint closest = options.body->closestPoint(given[i]);
-      target[i] = closest.geometry.point;
+      if (isFixed(i))
+      {
+        return;
+      }
+      const Vec3 point = options.edgesOnly ? limit(i, given) : given[i];
+      const BodyPoint closest = options.body->closestPoint(point);
+      target[i] = options.edgesOnly ? point : closest.geometry.point;
       if (rows.onFeature(i))
       {
         // Where the mesh follows an edge of the body, so do its limit points.
         constexpr double Near = 0.05;
-        const BodyPoint edge = options.body->closestEdgePoint(given[i]);
+        const BodyPoint edge = options.body->closestEdgePoint(point);
         if (edge.patch >= 0 && edge.distance <= closest.distance + Near * rows.spacing(i, given))
         {
           target[i] = edge.geometry.point;
@@ -696,12 +816,25 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     });
   }
 
+  if (options.body)
+  {
+    for (std::size_t fan = 0; fan < fans.size(); ++fan)
+    {
+      fans.setFoot(fan, options.body->closestPoint(target[fans.center(fan)]).geometry);
+    }
+  }
+
   // Chebyshev iteration for eigenvalues of L in [Least, 1]; regular masks have 1/9 at least.
   constexpr double Least = 0.05;
   constexpr double Center = 0.5 * (1.0 + Least), HalfWidth = 0.5 * (1.0 - Least);
   std::vector<Vec3> x = given, residual(wall.size()), step(wall.size(), Vec3::Zero());
   const auto measure = [&] {
-    forAll([&](Index i) { residual[i] = target[i] - rows.apply(i, x); });
+    forAll([&](Index i) { residual[i] = limit(i, x); });
+    if (!options.edgesOnly && conversion.twist != Twist::Literal)
+    {
+      fans.correct(x, residual);
+    }
+    forAll([&](Index i) { residual[i] = target[i] - residual[i]; });
     double largest = 0.0;
     for (const Vec3& r : residual)
     {

@@ -30,6 +30,9 @@ struct BodyFitOptions
 {
   /// The body, or null: limit points then lie on the given points.
   const BodySurface* body = nullptr;
+  /// The given points are control points and stay so, except on creases, borders and corners: where these follow an edge
+  /// of the body, their limit points are moved to it. Needs `body`.
+  bool edgesOnly = false;
   /// The iteration stops when no limit point is farther from its target than this fraction of the wall's bounding-box
   /// diagonal. Range (0, 1).
   double tolerance = 1e-13;
@@ -55,10 +58,12 @@ struct BodyFitReport
 /// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it. The
 /// blocks' views point into new memory owned by `complex` afterwards, where anything moved.
 ///
-/// The system L p = t, L the limit masks (3.31), creases and corners as in the conversion, is solved by Chebyshev
+/// The system L p = t is solved, where L p are the points through which the converted wall passes: the limit masks (3.31),
+/// creases and corners as in the conversion, and around extraordinary vertices what their rules make of them. By Chebyshev
 /// iteration (Golub, Varga 1961) without scalar products, so that results are the same bits for any numbering and
 /// orientation of the blocks.
-/// @throws Error if it does not converge, or for options out of range; Aborted.
+/// @throws Error if it does not converge (a cube of six quadrilaterals cannot take any eight limit points), or for options
+/// out of range; Aborted.
 BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options,
   const Execution& run = {});
 

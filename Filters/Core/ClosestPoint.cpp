@@ -1064,24 +1064,29 @@ std::vector<BodyPoint> BodySurface::closestPoints(const std::vector<Vec3>& queri
 std::vector<BodyPoint> BodySurface::closestPointPerPatch(const Vec3& query, double tolerance) const
 {
   std::vector<Candidate> found = this->Data->candidates(query, tolerance, false);
-  std::sort(found.begin(), found.end(), owns);
-  std::vector<BodyPoint> results;
+  // Neighbouring cells find the same point, one of them best; sides of a seam are far apart in the domain.
+  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+    return a.distance != b.distance ? a.distance < b.distance : owns(a, b);
+  });
   std::vector<Candidate> kept;
-  const NURBSSurface* surface = nullptr;
   for (const Candidate& candidate : found)
   {
-    surface = &this->Data->patches[candidate.patch].surface;
-    // Neighbouring cells find the same point; sides of a seam are far apart in the domain.
+    const NURBSSurface& surface = this->Data->patches[candidate.patch].surface;
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate& other) {
       return other.patch == candidate.patch &&
-        std::abs(other.u - candidate.u) <= 1e-3 * (surface->last(0) - surface->first(0)) &&
-        std::abs(other.v - candidate.v) <= 1e-3 * (surface->last(1) - surface->first(1));
+        std::abs(other.u - candidate.u) <= 1e-3 * (surface.last(0) - surface.first(0)) &&
+        std::abs(other.v - candidate.v) <= 1e-3 * (surface.last(1) - surface.first(1));
     });
     if (!known)
     {
       kept.push_back(candidate);
-      results.push_back(this->Data->bodyPoint(candidate));
     }
+  }
+  std::sort(kept.begin(), kept.end(), owns);
+  std::vector<BodyPoint> results;
+  for (const Candidate& candidate : kept)
+  {
+    results.push_back(this->Data->bodyPoint(candidate));
   }
   return results;
 }

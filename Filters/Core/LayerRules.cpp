@@ -604,6 +604,34 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
   return result;
 }
 
+void projectGroup(Fan& points, int first, int size, const BodyFoot& foot, Twist twist)
+{
+  const int n = points.sectorCount();
+  const auto offset = [&](int i) { return Vec3(points.spokes[(first + i) % n] - points.center); };
+  for (int i = 1; i < size; ++i)
+  {
+    const Vec3 a = offset(i);
+    points.spokes[(first + i) % n] = points.center + (a - foot.normal.dot(a) * foot.normal);
+  }
+  const double g = 2.0 * regularFan(false, size).cosine;
+  const double blend = twist == Twist::SecondFundamentalForm ? (6.0 + g) / (3.0 * (2.0 + g)) : 1.0;
+  for (int i = 0; i < size && twist != Twist::Mask; ++i)
+  {
+    const Vec3 a = offset(i), b = offset(i + 1);
+    Vec3& sector = points.sectors[(first + i) % n];
+    sector = points.center + blend * (a + b);
+    if (twist == Twist::Literal)
+    {
+      sector += foot.mixedDerivative / 9.0;
+    }
+    else if (twist == Twist::SecondFundamentalForm)
+    {
+      // Both orders of the product: the group may be read from either end.
+      sector += 0.5 * (a.dot(foot.curvature * b) + b.dot(foot.curvature * a)) * foot.normal;
+    }
+  }
+}
+
 Vec3 multilinear(const Vec3* corners, const double* nearWeight, int n)
 {
   constexpr double Regular = 2.0 / 3.0;

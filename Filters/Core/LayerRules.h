@@ -106,6 +106,11 @@ struct BodyFoot
 /// similarities.
 Fan projectedFan(const Fan& fan, const BodyFoot& foot, Twist twist);
 
+/// The same for a smooth group of a creased fan, `points`: its sectors first..first + size - 1 between two features. Only
+/// the side of the surface that the group lies on counts, each side of a crease has its own foot. Centre and spokes of the
+/// features stay; spokes between them are projected onto the tangent plane. `foot` must have a curvature.
+void projectGroup(Fan& points, int first, int size, const BodyFoot& foot, Twist twist);
+
 /// Unit normal of the Catmull-Clark limit surface at the centre of a closed smooth fan (4.18), zero where the limit
 /// tangents are parallel. Its sign follows the sense of the fan.
 Vec3 limitNormal(const Fan& fan);

@@ -11,14 +11,9 @@
 /// - at the samples that two levels have in common;
 /// - for any orientation of the block (derivatives change their sign with the direction) and for any Execution.
 ///
-/// How: (1) basis values are functions of the span, the fraction j / 2^L in it and the knot differences around it, and
+/// How: basis values are functions of the span, the fraction j / 2^L in it and the knot differences around it, and
 /// reversing the direction mirrors them exactly; on a knot the mean of the two sides is taken, which are equal up to
-/// rounding where the volume is smooth and symmetric where it is not. (2) Terms are added from both ends of the window
-/// inwards, in pairs: reversing changes nothing. (3) What remains is which direction is summed first. On a face at a
-/// clamped end the weight across is exactly 1, so that only its own net enters; both orders are computed and their mean
-/// is taken, which is symmetric. On an edge there is only one order. Inside, the order of the directions follows from
-/// comparing the control nets, not from how the block happens to be stored; only a block folded onto itself (a net that
-/// an exchange of directions maps to itself) leaves that choice open.
+/// rounding where the volume is smooth and symmetric where it is not. The sums are those of TensorPasses.h.
 #pragma once
 
 #include "BSplineVolume.h"

@@ -71,6 +71,18 @@ void Converter::convertSurface(Star& star) const
     if (creased.crease)
     {
       star.crease = { spokes[features[0]], spokes[features[1]] };
+      for (int c = 0; c < 2; ++c)
+      {
+        // Groups of two sectors are regular: there the rule is exact.
+        const int size = (features[1 - c] - features[c] + n) % n;
+        const bool anyPlanar = std::find(planar.begin(), planar.end(), true) != planar.end();
+        BodyFoot foot;
+        if (body && !anyPlanar && size > 2 && this->sectorFoot(result, features[c], size, foot))
+        {
+          projectGroup(result, features[c], size, foot, this->Options.twist);
+          star.hasFoot = true;
+        }
+      }
     }
   }
   const bool crease = star.rule == ControlPointRule::Crease;
@@ -185,6 +197,42 @@ bool Converter::bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const
   }
   foot.normal = hasNormal ? Vec3(foot.normal.normalized()) : limitNormal(fan);
   return true;
+}
+
+bool Converter::sectorFoot(const Fan& points, int first, int size, BodyFoot& foot) const
+{
+  if (!this->Options.body)
+  {
+    return false;
+  }
+  const int n = points.sectorCount();
+  Vec3 normal = Vec3::Zero();
+  double length = 0.0;
+  for (int i = 0; i < size; ++i)
+  {
+    const Vec3 a = points.spokes[(first + i) % n] - points.center;
+    const Vec3 b = points.spokes[(first + i + 1) % n] - points.center;
+    normal += a.cross(b);
+    length = std::max({ length, a.norm(), b.norm() });
+  }
+  // Patches that meet at the crease; a crease that no edge of the body explains has one foot for both sides.
+  double best = 0.0;
+  for (const BodyPoint& point : this->Options.body->closestPointPerPatch(points.center, 1e-3 * length))
+  {
+    // Of equals the first: rounding must not decide.
+    const double fits = std::abs(point.geometry.normal.dot(normal)) / normal.norm();
+    if (fits > best + 1e-9)
+    {
+      best = fits;
+      const SurfaceGeometry& geometry = point.geometry;
+      foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+      if (this->Options.twist == Twist::Literal)
+      {
+        foot.mixedDerivative = evaluate(this->Options.body->patches()[point.patch].surface, point.u, point.v).uv;
+      }
+    }
+  }
+  return best > 0.0;
 }
 
 Fan Converter::smoothSurfaceFan(

@@ -31,6 +31,8 @@ def run(executable, most):
                           stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=True)
     results = {}
     for result in json.loads(done.stdout)["benchmarks"]:
+        if result.get("error_occurred"):
+            continue
         match = NAME.match(result["name"])
         key = match["name"], int(match["points"])
         results.setdefault(key, {})[int(match["threads"])] = result
@@ -48,6 +50,9 @@ def exponent(times):
 def rows(results):
     for name in dict.fromkeys(name for name, _ in results):
         one = {points: threads for (other, points), threads in results.items() if other == name}
+        for threads in one.values():
+            for result in threads.values():
+                result.setdefault("seconds", 1e-3 * result["real_time"])  # all report milliseconds
         times = [(t[1].get("points", points), t[1]["seconds"]) for points, t in sorted(one.items())]
         power = "%.2f" % exponent(times) if len(times) > 1 else ""
         for points, threads in sorted(one.items()):
@@ -56,7 +61,8 @@ def rows(results):
             seconds = first["seconds"]
             yield [
                 name.replace("_", " "), "%.0e" % points, "%.3g" % (1e3 * seconds), "%.3g" % (1e9 * seconds / count),
-                "%.3g" % (1e-6 * first["bytes"] / seconds), "%.2g" % first["memcpy"],
+                "%.3g" % (1e-6 * first["bytes"] / seconds) if "bytes" in first else "",
+                "%.2g" % first["memcpy"] if "memcpy" in first else "",
                 "%.0f %%" % (50 * seconds / threads[2]["seconds"]) if 2 in threads else "",
                 "%.1f %%" % (100 * first["extra_bytes"] / first["bytes"]) if "extra_bytes" in first else "",
                 "%.2f" % first["disk"] if "disk" in first else "", power]

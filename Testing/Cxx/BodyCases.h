@@ -3,10 +3,16 @@
 /// Bodies whose geometry is known exactly, for tests of surfaces and closest points.
 #pragma once
 
+#include "BSplineVolume.h"
 #include "NURBSSurface.h"
 
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
 namespace bodycases
@@ -127,6 +133,114 @@ inline NURBSSurface bumpy(
     }
   }
   return surface;
+}
+
+/// The tensor-product spline that interpolates `map` on [-1, 1]^2 at its Greville abscissae.
+template <typename Map>
+NURBSSurface interpolated(int degree, int spans, const Map& map)
+{
+  NURBSSurface surface;
+  surface.degree = { degree, degree };
+  std::vector<double> knots(degree + 1, -1.0);
+  for (int s = 1; s < spans; ++s)
+  {
+    knots.push_back(2.0 * s / spans - 1.0);
+  }
+  knots.insert(knots.end(), degree + 1, 1.0);
+  surface.knots = { knots, knots };
+  const int n = surface.count(0);
+  std::vector<double> sites(n);
+  Eigen::MatrixXd collocation = Eigen::MatrixXd::Zero(n, n);
+  for (int i = 0; i < n; ++i)
+  {
+    for (int k = 1; k <= degree; ++k)
+    {
+      sites[i] += knots[i + k] / degree;
+    }
+    const int span = i == n - 1
+      ? n - 1
+      : static_cast<int>(std::upper_bound(knots.begin() + degree, knots.begin() + n, sites[i]) - knots.begin()) - 1;
+    double left[bsv::MaxDegree + 1], right[bsv::MaxDegree + 1], values[bsv::MaxDegree + 1];
+    for (int j = 1; j <= degree; ++j)
+    {
+      left[j] = sites[i] - knots[span + 1 - j];
+      right[j] = knots[span + j] - sites[i];
+    }
+    bsv::basisFunctions(degree, 0, left, right, values);
+    for (int k = 0; k <= degree; ++k)
+    {
+      collocation(i, span - degree + k) = values[k];
+    }
+  }
+  const Eigen::MatrixXd inverse = collocation.inverse();
+  std::array<Eigen::MatrixXd, 3> coordinates;
+  coordinates.fill(Eigen::MatrixXd(n, n));
+  for (int j = 0; j < n; ++j)
+  {
+    for (int i = 0; i < n; ++i)
+    {
+      const Vec3 x = map(sites[i], sites[j]);
+      for (int d = 0; d < 3; ++d)
+      {
+        coordinates[d](i, j) = x[d];
+      }
+    }
+  }
+  for (Eigen::MatrixXd& values : coordinates)
+  {
+    values = inverse * values * inverse.transpose();
+  }
+  for (int j = 0; j < n; ++j)
+  {
+    for (int i = 0; i < n; ++i)
+    {
+      surface.points.emplace_back(coordinates[0](i, j), coordinates[1](i, j), coordinates[2](i, j));
+    }
+  }
+  return surface;
+}
+
+/// A body that is no sphere and has no symmetry: x = r(d) d on unit directions d.
+inline double starRadius(const Vec3& d)
+{
+  return 1.0 + 0.25 * d[0] * d[1] + 0.15 * d[2] * d[2] * d[2] + 0.12 * d[0] * d[1] * d[2] + 0.1 * d[0];
+}
+
+/// Its point in a direction of any length.
+inline Vec3 starPoint(const Vec3& x)
+{
+  const Vec3 d = x.normalized();
+  return starRadius(d) * d;
+}
+
+/// Its unit normal there: the gradient of |x| - r(x / |x|).
+inline Vec3 starNormal(const Vec3& x)
+{
+  const double length = x.norm();
+  const Vec3 d = x / length;
+  const Vec3 slope(0.25 * d[1] + 0.12 * d[1] * d[2] + 0.1, 0.25 * d[0] + 0.12 * d[0] * d[2],
+    0.45 * d[2] * d[2] + 0.12 * d[0] * d[1]);
+  return (d - (slope - slope.dot(d) * d) / starRadius(d)).normalized();
+}
+
+/// It as six patches, one per side of a cube turned by `turn`, in gnomonic parameters. Quintics of 24 spans: exact to
+/// about 1e-8.
+inline std::vector<bsv::BodyPatch> starPatches(const Eigen::Matrix3d& turn)
+{
+  std::vector<bsv::BodyPatch> patches;
+  for (int side = 0; side < 6; ++side)
+  {
+    const auto map = [&](double u, double v) {
+      const double sign = side % 2 ? 1.0 : -1.0;
+      Vec3 x;
+      x[side / 2] = sign;
+      x[(side / 2 + 1) % 3] = sign > 0 ? u : v;
+      x[(side / 2 + 2) % 3] = sign > 0 ? v : u;
+      return starPoint(turn * x);
+    };
+    patches.push_back({ "side" + std::to_string(side), interpolated(5, 24, map), {}, false });
+  }
+  return patches;
 }
 
 } // namespace bodycases

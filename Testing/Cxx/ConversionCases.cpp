@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ConversionCases.h"
 
-#include <Eigen/Dense>
+#include "JacobianBounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,6 +43,9 @@ Converted convert(const bsv::BlockMesh& mesh, const bsv::ConversionOptions& opti
 
 void convertComplex(Converted& result, const bsv::ConversionOptions& options, const bsv::Execution& run)
 {
+  result.points.clear();
+  result.rules.clear();
+  result.volumes.clear();
   std::vector<bsv::ControlNetStorage> nets;
   for (const bsv::ComplexBlock& block : result.complex.blocks)
   {
@@ -220,57 +223,32 @@ Jumps interfaceJumps(const Converted& converted)
   return jumps;
 }
 
-Validity provenValid(const Converted& converted, const std::function<bool(int, const Ijk&)>& consider)
+ProvenSpans provenValid(const Converted& converted, const std::function<bool(int, const Ijk&)>& consider)
 {
-  // The determinant is interpolated at nine nodes per direction and brought into Bernstein form.
-  constexpr int N = 9;
-  Eigen::Matrix<double, N, N> basis;
-  std::array<double, N> nodes;
-  const double binomial[N] = { 1, 8, 28, 56, 70, 56, 28, 8, 1 };
-  for (int i = 0; i < N; ++i)
-  {
-    nodes[i] = 0.5 - 0.5 * std::cos((2 * i + 1) * std::acos(-1.0) / (2 * N));
-    for (int j = 0; j < N; ++j)
-    {
-      basis(i, j) = binomial[j] * std::pow(nodes[i], j) * std::pow(1.0 - nodes[i], N - 1 - j);
-    }
-  }
-  const Eigen::Matrix<double, N, N> inverse = basis.inverse();
-  Validity result;
+  ProvenSpans result;
   for (int b = 0; b < static_cast<int>(converted.volumes.size()); ++b)
   {
-    const bsv::BSplineVolume& v = converted.volumes[b];
-    const double sign = converted.complex.blocks[b].leftHanded ? -1.0 : 1.0;
-    for (int k = 0; k < v.count(2) - 3; ++k)
+    bsv::BSplineVolume volume = converted.volumes[b];
+    std::vector<double> points = converted.points[b];
+    if (converted.complex.blocks[b].leftHanded)
     {
-      for (int j = 0; j < v.count(1) - 3; ++j)
+      for (std::size_t i = 0; i < points.size(); i += 3)
       {
-        for (int i = 0; i < v.count(0) - 3; ++i)
-        {
-          if (!consider(b, { i, j, k }))
-          {
-            continue;
-          }
-          Eigen::Matrix<double, N, N * N> values;
-          for (int n = 0; n < N * N * N; ++n)
-          {
-            const Vec3 u(i + nodes[n % N], j + nodes[n / N % N], k + nodes[n / N / N]);
-            Eigen::Matrix3d jacobian;
-            jacobian << bsv::evaluate(v, u, { 1, 0, 0 }), bsv::evaluate(v, u, { 0, 1, 0 }),
-              bsv::evaluate(v, u, { 0, 0, 1 });
-            values(n % N, n / N) = sign * jacobian.determinant();
-          }
-          // One direction after the other: the rows turn into the next direction.
-          for (int direction = 0; direction < 3; ++direction)
-          {
-            const Eigen::Matrix<double, N, N * N> done = inverse * values;
-            for (int n = 0; n < N * N * N; ++n)
-            {
-              values(n / N % N, n / N / N + N * (n % N)) = done(n % N, n / N);
-            }
-          }
-          (values.minCoeff() > 0.0 ? result.valid : result.others) += 1;
-        }
+        points[i] = -points[i];
+      }
+    }
+    volume.points = points.data();
+    const Ijk n{ volume.count(0) - 3, volume.count(1) - 3, volume.count(2) - 3 };
+    std::vector<unsigned char> validity(std::size_t(n[0]) * n[1] * n[2]);
+    bsv::JacobianArrays arrays;
+    arrays.validity = validity.data();
+    bsv::jacobianBounds(volume, "block " + std::to_string(b), {}, arrays);
+    for (int s = 0; s < static_cast<int>(validity.size()); ++s)
+    {
+      if (consider(b, { s % n[0], s / n[0] % n[1], s / n[0] / n[1] }))
+      {
+        const bool valid = validity[s] == static_cast<unsigned char>(bsv::Validity::Valid);
+        (valid ? result.valid : result.others) += 1;
       }
     }
   }

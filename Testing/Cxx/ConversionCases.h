@@ -58,14 +58,15 @@ struct Jumps
 /// Jumps are taken where all control points of the span are regular (`Regular`, `Copied` or smooth boundary rules).
 Jumps interfaceJumps(const Converted& converted);
 
-/// Spans whose Jacobian determinant is proven positive by its Bernstein coefficients (degree 8 per direction), and the
-/// others. Only the spans for which `consider(block, span)` holds.
-struct Validity
+/// Spans whose Jacobian determinant is proven to have the sign of the block's handedness, and the others. Only the spans
+/// for which `consider(block, span)` holds.
+struct ProvenSpans
 {
   bsv::Index valid = 0;
   bsv::Index others = 0;
 };
-Validity provenValid(const Converted& converted, const std::function<bool(int block, const bsv::Ijk& span)>& consider);
+ProvenSpans provenValid(
+  const Converted& converted, const std::function<bool(int block, const bsv::Ijk& span)>& consider);
 
 /// All control points and rules as one list that does not depend on numbering and orientation of the blocks: sorted by
 /// coordinates. Equal lists mean equal bits.

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <random>
+#include <set>
 
 namespace meshcases
 {
@@ -287,6 +289,79 @@ MeshCase sphereBody(int cells, const std::vector<double>& radii)
     result.add({ cells, cells, int(radii.size()) - 1 }, [&](const Ijk& p) -> Vec3 {
       return normalized(cubePoint(side, lattice(p[0], cells), lattice(p[1], cells))) * radii[p[2]];
     });
+  }
+  return result;
+}
+
+MeshCase polycubeBody(const std::vector<Ijk>& cubes, int cells, const std::vector<double>& radii)
+{
+  // Points of the surface by their lattice position, `cells` steps per cube.
+  std::map<Ijk, Vec3> directions;
+  std::map<Ijk, std::set<Ijk>> neighbours;
+  std::vector<std::function<Ijk(int, int)>> squares;
+  for (const Ijk& cube : cubes)
+  {
+    for (int side = 0; side < 6; ++side)
+    {
+      Ijk beyond = cube;
+      beyond[side / 2] += side % 2 ? 1 : -1;
+      if (std::find(cubes.begin(), cubes.end(), beyond) != cubes.end())
+      {
+        continue;
+      }
+      squares.emplace_back([=](int i, int j) {
+        const Vec3 x = cubePoint(side, lattice(i, cells), lattice(j, cells));
+        Ijk at;
+        for (int d = 0; d < 3; ++d)
+        {
+          at[d] = cube[d] * cells + static_cast<int>(std::lround(0.5 * cells * (1.0 + x[d])));
+        }
+        return at;
+      });
+      const auto& square = squares.back();
+      const auto join = [&](const Ijk& a, const Ijk& b) {
+        neighbours[a].insert(b);
+        neighbours[b].insert(a);
+      };
+      for (int j = 0; j <= cells; ++j)
+      {
+        for (int i = 0; i < cells; ++i)
+        {
+          join(square(i, j), square(i + 1, j));
+          join(square(j, i), square(j, i + 1));
+        }
+      }
+    }
+  }
+  for (const auto& entry : neighbours)
+  {
+    Vec3 x;
+    for (int d = 0; d < 3; ++d)
+    {
+      x[d] = static_cast<double>(entry.first[d]) / cells - cubes.front()[d] - 0.5;
+    }
+    directions[entry.first] = normalized(x);
+  }
+  for (int step = 0; step < 20; ++step)
+  {
+    std::map<Ijk, Vec3> next;
+    for (const auto& entry : neighbours)
+    {
+      Vec3 mean = Vec3::Zero();
+      for (const Ijk& other : entry.second)
+      {
+        mean += directions[other] / static_cast<double>(entry.second.size());
+      }
+      next[entry.first] = normalized(directions[entry.first] + mean);
+    }
+    directions = std::move(next);
+  }
+
+  MeshCase result;
+  for (const auto& square : squares)
+  {
+    result.add({ cells, cells, int(radii.size()) - 1 },
+      [&](const Ijk& p) -> Vec3 { return directions[square(p[0], p[1])] * radii[p[2]]; });
   }
   return result;
 }

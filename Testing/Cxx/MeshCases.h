@@ -78,6 +78,11 @@ MeshCase ring(int valence, int cells, const std::vector<std::vector<double>>& he
 /// extraordinary edges of valence 3 from the body (k = 0) to the outer boundary.
 MeshCase sphereBody(int cells, const std::vector<double>& radii);
 
+/// One block on every outer square of `cubes`, unit cubes of the integer lattice that can all be seen from the middle
+/// of the first: seen from there they make a mesh of the unit sphere, whose directions are evened out by a few
+/// Laplacian steps. Layers as in sphereBody(). One cube has extraordinary edges of valence 3, an L of three 5 too.
+MeshCase polycubeBody(const std::vector<Ijk>& cubes, int cells, const std::vector<double>& radii);
+
 /// Unit ball: a cube and six blocks around it. 20 extraordinary edges of valence 3, 8 singular nodes.
 MeshCase ball(int cells, int radialCells);
 

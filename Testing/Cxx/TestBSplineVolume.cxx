@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Evaluation of one block against a second implementation, against polynomials and against its own derivatives.
+#include "BezierSegments.h"
 #include "VolumeCases.h"
 
 #include <gtest/gtest.h>
@@ -249,4 +250,82 @@ TEST(BSplineVolume, CheckFindsBadKnots)
   EXPECT_EQ(message(1, { 0, 0, 2, 1 }), "block 'a': knot 3 is smaller than the one before it in direction v");
   EXPECT_EQ(message(1, { 0, 1, 1, 2 }), "block 'a': the knots' range is empty in direction v");
   EXPECT_EQ(message(1, { 0, 0, 1, 1, 2, 2 }), "block 'a': knot 2 is repeated more than 1 times in direction v");
+}
+
+TEST(BSplineVolume, RationalArcsLieOnTheirCircle)
+{
+  // Quarter of a thick pipe: quadratic in the angle with middle weight 1/sqrt(2), radius 1 + v, height w.
+  Block pipe;
+  pipe.volume.degree = { 2, 1, 1 };
+  pipe.volume.knots = { std::vector<double>{ 0, 0, 0, 1, 1, 1 }, { 0, 0, 1, 1 }, { 0, 0, 1, 1 } };
+  forEach(pipe.counts(), [&](const Ijk& i) {
+    const double r = 1.0 + i[1];
+    pipe.points.insert(pipe.points.end(), { i[0] < 2 ? r : 0.0, i[0] > 0 ? r : 0.0, double(i[2]) });
+    pipe.weights.push_back(i[0] == 1 ? std::sqrt(0.5) : 1.0);
+  });
+  checkBSplineVolume(pipe.view(), "pipe");
+  std::mt19937 random(11);
+  for (int n = 0; n < 100; ++n)
+  {
+    const Vec3 uvw(randomIn(random, 0, 1), randomIn(random, 0, 1), randomIn(random, 0, 1));
+    const auto at = [&](int a, int b, int c) { return evaluate(pipe.view(), uvw, { a, b, c }); };
+    const auto flat = [](const Vec3& x) { return Vec3(x[0], x[1], 0.0); };
+    const double r = 1.0 + uvw[1];
+    const Vec3 x = flat(at(0, 0, 0));
+    EXPECT_NEAR(x.norm(), r, 1e-15 * 8);
+    EXPECT_NEAR(at(0, 0, 0)[2], uvw[2], 1e-15);
+    // Derivatives of x.x = (1 + v)^2.
+    EXPECT_NEAR(x.dot(at(1, 0, 0)), 0.0, 1e-14);
+    EXPECT_NEAR(at(1, 0, 0).squaredNorm() + x.dot(at(2, 0, 0)), 0.0, 1e-13);
+    EXPECT_NEAR(3.0 * at(1, 0, 0).dot(at(2, 0, 0)) + x.dot(at(3, 0, 0)), 0.0, 1e-12);
+    EXPECT_NEAR(x.dot(at(0, 1, 0)), r, 1e-14);
+    EXPECT_NEAR(at(1, 0, 0).dot(at(0, 1, 0)) + x.dot(at(1, 1, 0)), 0.0, 1e-13);
+    EXPECT_NEAR(at(1, 1, 1).norm(), 0.0, 1e-13);
+  }
+
+  pipe.weights[5] = 0.0;
+  EXPECT_THROW(checkBSplineVolume(pipe.view(), "pipe"), Error);
+}
+
+TEST(BSplineVolume, BezierWeightsGiveTheSameCurveAndMirrorExactly)
+{
+  std::mt19937 random(12);
+  for (int degree = 1; degree <= MaxDegree; ++degree)
+  {
+    for (const bool clamped : { true, false })
+    {
+      const std::vector<double> knots = randomKnots(random, degree, clamped);
+      std::vector<double> mirrored;
+      for (auto k = knots.rbegin(); k != knots.rend(); ++k)
+      {
+        mirrored.push_back(-*k);
+      }
+      const int size = degree + 1;
+      std::vector<double> weights(size * size);
+      std::vector<double> other(size * size);
+      for (const int span : nonEmptySpans(degree, knots))
+      {
+        bezierWeights(degree, knots, span, weights.data());
+        bezierWeights(degree, mirrored, static_cast<int>(knots.size()) - 2 - span, other.data());
+        for (int n = 0; n < size * size; ++n)
+        {
+          ASSERT_EQ(weights[n], other[size * size - 1 - n]);
+        }
+        // Bernstein polynomials times the weights are the basis functions.
+        const double s = randomIn(random, 0.0, 1.0);
+        const double u = knots[span] + s * (knots[span + 1] - knots[span]);
+        for (int i = 0; i < size; ++i)
+        {
+          double sum = 0.0;
+          double binomial = 1.0;
+          for (int j = 0; j < size; ++j)
+          {
+            sum += binomial * std::pow(s, j) * std::pow(1.0 - s, degree - j) * weights[j * size + i];
+            binomial = binomial * (degree - j) / (j + 1);
+          }
+          ASSERT_NEAR(sum, double(basisByRecursion(knots, span - degree + i, degree, 0, span, u)), 1e-12);
+        }
+      }
+    }
+  }
 }

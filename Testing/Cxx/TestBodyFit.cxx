@@ -9,31 +9,29 @@
 #include <Eigen/Dense>
 
 #include <cmath>
-#include <set>
 
 using namespace bsv;
 using conversioncases::Converted;
+using bodycases::starNormal;
+using bodycases::starPoint;
+using bodycases::starRadius;
 using meshcases::MeshCase;
 
 namespace
 {
 
-/// A body that is no sphere: x = r(d) d on unit directions d.
-double radius(const Vec3& d)
-{
-  return 1.0 + 0.25 * d[0] * d[1] + 0.15 * d[2] * d[2] * d[2] + 0.12 * d[0] * d[1] * d[2] + 0.1 * d[0];
-}
-
-/// Six blocks of layers around the body, the first of thickness `first`, growing by 1.2; the faces k = 0 are the wall.
-MeshCase bodyMesh(int cells, double first, int layers = 8)
+/// Layers around the body, the first of thickness `first`, growing by 1.2; the faces k = 0 are the wall. One cube (six
+/// blocks, valence 3) or `cubes` (meshcases::polycubeBody).
+MeshCase bodyMesh(int cells, double first, int layers = 8, const std::vector<Ijk>& cubes = {})
 {
   std::vector<double> radii{ 1.0 };
   for (int k = 0; k < layers; ++k)
   {
     radii.push_back(radii.back() + first * std::pow(1.2, k));
   }
-  MeshCase mesh = meshcases::sphereBody(cells, radii);
-  mesh.apply([](const Vec3& x) { return Vec3(radius(x.normalized()) * x); });
+  MeshCase mesh =
+    cubes.empty() ? meshcases::sphereBody(cells, radii) : meshcases::polycubeBody(cubes, cells, radii);
+  mesh.apply([](const Vec3& x) { return Vec3(starRadius(x.normalized()) * x); });
   mesh.boundaryNames = { "wall" };
   for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
   {
@@ -90,7 +88,7 @@ double deviation(const Converted& converted, double margin)
           u[faceAxis(f, 1)] = t;
           u[faceDirection(f)] = faceSide(f) ? volume.count(faceDirection(f)) - 3 : 0;
           const Vec3 x = evaluate(volume, u);
-          worst = std::max(worst, std::abs(x.norm() - radius(x.normalized())));
+          worst = std::max(worst, std::abs(x.norm() - starRadius(x.normalized())));
         }
       }
     }
@@ -98,23 +96,16 @@ double deviation(const Converted& converted, double margin)
   return worst;
 }
 
-/// How far the knots of the wall are from its mesh points. The rules at extraordinary vertices touch the knots next to
-/// them, so those are left out.
+/// How far the knots of the wall are from its mesh points.
 double interpolationError(const Converted& converted, const MeshCase& mesh, int cells)
 {
   double worst = 0.0;
-  for (int b = 0; b < 6; ++b)
+  for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
   {
     for (int j = 0; j <= cells; ++j)
     {
       for (int i = 0; i <= cells; ++i)
       {
-        const bool nearI = i < 2 || i > cells - 2, nearJ = j < 2 || j > cells - 2;
-        const bool corner = (i == 0 || i == cells) && (j == 0 || j == cells);
-        if (nearI && nearJ && !corner)
-        {
-          continue;
-        }
         worst = std::max(worst,
           (evaluate(converted.volumes[b], Vec3(i, j, 0)) - mesh.blocks[b].at({ i, j, 0 })).norm());
       }
@@ -125,15 +116,23 @@ double interpolationError(const Converted& converted, const MeshCase& mesh, int 
 
 } // namespace
 
-TEST(BodyFit, LimitPointsLieOnTheGivenPoints)
+TEST(BodyFit, TheWallPassesThroughTheGivenPoints)
 {
-  const int cells = 6;
-  MeshCase mesh = bodyMesh(cells, 0.05);
-  BodyFitReport report;
-  const Converted converted = convertFitted(mesh.mesh(), {}, report);
-  EXPECT_EQ(report.wallPoints, 6 * cells * cells + 2); // Euler: V = F + 2 on a closed surface of quadrilaterals
-  EXPECT_GT(report.initialResidual, 1e-3);
-  EXPECT_LE(interpolationError(converted, mesh, cells), 1e-12);
+  const std::vector<Ijk> one, tromino{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
+  // With two cells the points next to one extraordinary vertex are next to others too.
+  for (const int cells : { 2, 3, 6 })
+  {
+    for (const std::vector<Ijk>& cubes : { one, tromino })
+    {
+      MeshCase mesh = bodyMesh(cells, 0.05, 8, cubes);
+      BodyFitReport report;
+      const Converted converted = convertFitted(mesh.mesh(), {}, report);
+      // Euler: V = F + 2 on a closed surface of quadrilaterals.
+      EXPECT_EQ(report.wallPoints, Index(mesh.blocks.size()) * cells * cells + 2);
+      EXPECT_GT(report.initialResidual, 1e-3);
+      EXPECT_LE(interpolationError(converted, mesh, cells), 1e-12);
+    }
+  }
 }
 
 // Smooth mesh lines on a body interpolated by cubics converge with fourth order; as control points, and where the lines
@@ -197,67 +196,54 @@ TEST(BodyFit, LayersKeepTheirOrder)
   }
 }
 
-namespace
-{
-
-/// Unit normal of the body at its point in direction x: the gradient of |x| - r(x / |x|), by central differences.
-Vec3 normalAt(const Vec3& x)
-{
-  const auto level = [](const Vec3& p) { return p.norm() - radius(p.normalized()); };
-  Vec3 gradient;
-  for (int d = 0; d < 3; ++d)
-  {
-    const Vec3 step = 1e-5 * Vec3::Unit(d);
-    gradient[d] = level(x + step) - level(x - step);
-  }
-  return gradient.normalized();
-}
-
-} // namespace
-
-// The body's points and normals at the extraordinary vertices move the wall by far more than a thin first layer. Carried
-// into the layers they leave every span valid, proven by Bernstein coefficients.
+// The body's points and normals at the extraordinary vertices move the wall by far more than a thin first layer.
+// Carried into the layers they leave every span valid, proven by Bernstein coefficients.
 TEST(BodyPropagation, ThinLayersStayValid)
 {
   const int cells = 5;
-  Index foldedWithout = 0;
-  for (const double first : { 1e-1, 1e-2, 1e-3, 1e-4 })
+  for (const bool valenceFive : { false, true })
   {
-    // The edges of the surface are about 0.3 long.
-    MeshCase mesh = bodyMesh(cells, 0.3 * first, 40);
-    std::vector<std::vector<double>> points, normals;
-    for (const auto& block : mesh.blocks)
+    Index foldedWithout = 0;
+    for (const double first : { 1e-1, 1e-2, 1e-3, 1e-4 })
     {
-      points.emplace_back();
-      normals.emplace_back();
-      for (const Vec3& x : block.points)
+      // The edges of the surface are about 0.3 long.
+      MeshCase mesh = bodyMesh(cells, 0.3 * first, 40,
+        valenceFive ? std::vector<Ijk>{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } } : std::vector<Ijk>{});
+      std::vector<std::vector<double>> points, normals;
+      for (const auto& block : mesh.blocks)
       {
-        const Vec3 foot = radius(x.normalized()) * x.normalized();
-        const Vec3 normal = normalAt(foot);
-        points.back().insert(points.back().end(), foot.data(), foot.data() + 3);
-        normals.back().insert(normals.back().end(), normal.data(), normal.data() + 3);
+        points.emplace_back();
+        normals.emplace_back();
+        for (const Vec3& x : block.points)
+        {
+          const Vec3 foot = starPoint(x);
+          const Vec3 normal = starNormal(x);
+          points.back().insert(points.back().end(), foot.data(), foot.data() + 3);
+          normals.back().insert(normals.back().end(), normal.data(), normal.data() + 3);
+        }
       }
+      ConversionOptions options = wallOptions();
+      for (std::size_t b = 0; b < points.size(); ++b)
+      {
+        options.projectedPoints.push_back(points[b].data());
+        options.surfaceNormals.push_back(normals[b].data());
+      }
+      // Spans next to the extraordinary vertices, in the layers where it matters.
+      const auto near = [&](int, const Ijk& span) {
+        return (span[0] < 2 || span[0] > cells - 3) && (span[1] < 2 || span[1] > cells - 3) && span[2] < 3;
+      };
+      const auto with = conversioncases::provenValid(conversioncases::convert(mesh.mesh(), options), near);
+      options.propagationRange = 0.0;
+      const auto without = conversioncases::provenValid(conversioncases::convert(mesh.mesh(), options), near);
+      std::printf("%s, first layer %.0e edge lengths: spans not proven valid %lld of %lld with propagation, %lld "
+                  "without\n",
+        valenceFive ? "valences 3 and 5" : "valence 3", first, static_cast<long long>(with.others),
+        static_cast<long long>(with.valid + with.others), static_cast<long long>(without.others));
+      EXPECT_EQ(with.others, 0);
+      foldedWithout += without.others;
     }
-    ConversionOptions options = wallOptions();
-    for (std::size_t b = 0; b < points.size(); ++b)
-    {
-      options.projectedPoints.push_back(points[b].data());
-      options.surfaceNormals.push_back(normals[b].data());
-    }
-    // Spans next to the extraordinary vertices, in the layers where it matters.
-    const auto near = [&](int, const Ijk& span) {
-      return (span[0] < 2 || span[0] > cells - 3) && (span[1] < 2 || span[1] > cells - 3) && span[2] < 3;
-    };
-    const auto with = conversioncases::provenValid(conversioncases::convert(mesh.mesh(), options), near);
-    options.propagationRange = 0.0;
-    const auto without = conversioncases::provenValid(conversioncases::convert(mesh.mesh(), options), near);
-    std::printf("first layer %.0e edge lengths: spans not proven valid %lld of %lld with propagation, %lld without\n",
-      first, static_cast<long long>(with.others), static_cast<long long>(with.valid + with.others),
-      static_cast<long long>(without.others));
-    EXPECT_EQ(with.others, 0);
-    foldedWithout += without.others;
+    EXPECT_GT(foldedWithout, 0);
   }
-  EXPECT_GT(foldedWithout, 0);
 }
 
 TEST(BodyPropagation, SameBitsForAnyNumberingAndOrientation)
@@ -271,7 +257,7 @@ TEST(BodyPropagation, SameBitsForAnyNumberingAndOrientation)
       normals.emplace_back();
       for (const Vec3& x : block.points)
       {
-        const Vec3 normal = normalAt(radius(x.normalized()) * x.normalized());
+        const Vec3 normal = starNormal(x);
         normals.back().insert(normals.back().end(), normal.data(), normal.data() + 3);
       }
     }
@@ -292,77 +278,6 @@ TEST(BodyPropagation, SameBitsForAnyNumberingAndOrientation)
   }
 }
 
-// One body in two parametrisations, u running the other way in the second: the default must not see the difference, the
-// source's own rule does, because x_uv changes its sign.
-TEST(BodyTwist, DefaultIsFreeOfTheParametrisationAndLiteralIsNot)
-{
-  Eigen::Matrix3d matrix;
-  matrix << 1.3, 0.2, 0.1, 0.0, 0.9, 0.3, -0.1, 0.0, 1.1;
-  NURBSSurface surface = bodycases::sphere(1.0);
-  for (Vec3& x : surface.points)
-  {
-    x = matrix * x;
-  }
-  NURBSSurface turned = surface;
-  const int nu = surface.count(0);
-  for (int v = 0; v < surface.count(1); ++v)
-  {
-    for (int u = 0; u < nu; ++u)
-    {
-      turned.points[u + nu * v] = surface.points[nu - 1 - u + nu * v];
-      turned.weights[u + nu * v] = surface.weights[nu - 1 - u + nu * v];
-    }
-  }
-  const BodySurface bodies[2]{ BodySurface({ { "body", surface, {}, false } }),
-    BodySurface({ { "body", turned, {}, true } }) };
-
-  const int cells = 6;
-  MeshCase mesh = meshcases::sphereBody(cells, { 1.0, 1.2, 1.5 });
-  mesh.apply([&](const Vec3& x) { return Vec3(matrix * x); });
-  mesh.boundaryNames = { "wall" };
-  for (int b = 0; b < 6; ++b)
-  {
-    mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, 0 });
-  }
-  for (const Twist twist : { Twist::SecondFundamentalForm, Twist::Literal })
-  {
-    double difference = 0.0;
-    std::vector<Converted> converted;
-    for (const BodySurface& body : bodies)
-    {
-      ConversionOptions options = wallOptions();
-      options.twist = twist;
-      options.body = &body;
-      converted.push_back(conversioncases::convert(mesh.mesh(), options));
-    }
-    for (std::size_t b = 0; b < converted[0].points.size(); ++b)
-    {
-      for (std::size_t i = 0; i < converted[0].points[b].size(); ++i)
-      {
-        difference = std::max(difference, std::abs(converted[0].points[b][i] - converted[1].points[b][i]));
-      }
-    }
-    // Points of the same surface found from other parameters: as exact as the closest point, 1e-12 of the body's size.
-    if (twist == Twist::SecondFundamentalForm)
-    {
-      EXPECT_LE(difference, 1e-11);
-    }
-    else
-    {
-      EXPECT_GE(difference, 1e-2);
-    }
-    // The extraordinary vertices lie on the body either way.
-    for (int corner = 0; corner < 4; ++corner)
-    {
-      const Vec3 x = converted[0].controlPoint(0, { corner & 1 ? cells + 2 : 0, corner >> 1 ? cells + 2 : 0, 0 });
-      EXPECT_NEAR((matrix.inverse() * x).norm(), 1.0, 1e-12);
-    }
-  }
-  ConversionOptions without = wallOptions();
-  without.twist = Twist::Literal;
-  EXPECT_THROW(conversioncases::convert(mesh.mesh(), without), Error);
-}
-
 TEST(BodyFit, RefusesOptionsOutOfRange)
 {
   MeshCase mesh = bodyMesh(2, 0.1);
@@ -373,4 +288,139 @@ TEST(BodyFit, RefusesOptionsOutOfRange)
   options = {};
   options.iterations = 1;
   EXPECT_THROW(fitBody(complex, wallOptions(), options), Error);
+}
+
+namespace
+{
+
+/// Height of a roof whose ridge is the curve y = 0; its sides are the graphs of two quadratics.
+double roof(double x, double y)
+{
+  return y > 0.0 ? 0.1 * x * x + 0.15 * x * y - 0.3 * y + 0.1 * y * y
+                 : 0.1 * x * x - 0.1 * x * y + 0.4 * y - 0.05 * y * y;
+}
+
+BodySurface roofBody()
+{
+  std::vector<BodyPatch> patches;
+  for (const double side : { 1.0, -1.0 })
+  {
+    // Control points of a quadratic through its values at the ends and in the middle of [-3, 3] x [0, 3 side].
+    BodyPatch patch{ side > 0.0 ? "left" : "right", {}, {}, side < 0.0 };
+    patch.surface.degree = { 2, 2 };
+    patch.surface.knots = { { { 0, 0, 0, 1, 1, 1 }, { 0, 0, 0, 1, 1, 1 } } };
+    Eigen::Matrix3d middle, values;
+    middle << 1, 0, 0, -0.5, 2, -0.5, 0, 0, 1;
+    for (int j = 0; j < 3; ++j)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        // -0 and the like fall on the side that is meant.
+        values(i, j) = roof(3.0 * (i - 1), side * std::max(1.5 * j, 1e-300));
+      }
+    }
+    values = middle * values * middle.transpose();
+    for (int j = 0; j < 3; ++j)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        patch.surface.points.emplace_back(3.0 * (i - 1), side * 1.5 * j, values(i, j));
+      }
+    }
+    patches.push_back(patch);
+  }
+  return BodySurface(patches);
+}
+
+/// Six blocks around the z axis on the roof, three on each side of its ridge, which is tagged as crease.
+MeshCase onRoof(int cells)
+{
+  MeshCase mesh = meshcases::ring(6, cells, { { 0.0, 0.3, 0.7 } });
+  mesh.apply([](const Vec3& x) { return Vec3(x[0], x[1], x[2] + roof(x[0], x[1])); });
+  mesh.boundaryNames = { "wall" };
+  for (int b = 0; b < 6; ++b)
+  {
+    mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, 0 });
+    for (int d = 0; d < 2; ++d)
+    {
+      Ijk end{ 0, 0, 0 };
+      end[d] = cells;
+      if (std::abs(mesh.blocks[b].at(end)[1]) < 1e-9)
+      {
+        mesh.creases.push_back({ b, { 0, 0, 0 }, end });
+      }
+    }
+  }
+  return mesh;
+}
+
+} // namespace
+
+// Control points on a body with an edge: the limit curve of the crease runs along the edge, and where six patches meet
+// at it the three on each side have the normal of the body there.
+TEST(BodyCrease, FollowsTheEdgeAndEachSideHasItsOwnNormal)
+{
+  const int cells = 4;
+  const BodySurface body = roofBody();
+  const auto converted = [&](MeshCase& mesh, bool withBody) {
+    Converted result;
+    result.complex = buildBlockComplex(mesh.mesh());
+    ConversionOptions options = wallOptions();
+    if (withBody)
+    {
+      options.body = &body;
+      BodyFitOptions fit;
+      fit.body = &body;
+      fit.edgesOnly = true;
+      fitBody(result.complex, options, fit);
+    }
+    conversioncases::convertComplex(result, options);
+    return result;
+  };
+  MeshCase mesh = onRoof(cells);
+  EXPECT_EQ(mesh.creases.size(), 4u); // two spokes, each in two blocks
+  const Converted plain = converted(mesh, false), fitted = converted(mesh, true);
+  EXPECT_EQ(conversioncases::interfaceJumps(fitted).openControlPoints, 0);
+  const auto everywhere = [](int, const Ijk&) { return true; };
+  EXPECT_EQ(conversioncases::provenValid(fitted, everywhere).others, 0);
+
+  const auto offTheEdge = [&](const Converted& volumes) {
+    double worst = 0.0;
+    for (const CreaseLine& crease : mesh.creases)
+    {
+      for (int s = 0; s <= cells; ++s)
+      {
+        const Vec3 at(crease.to[0] ? s : 0, crease.to[1] ? s : 0, 0.0);
+        worst = std::max(worst, body.closestEdgePoint(evaluate(volumes.volumes[crease.block], at)).distance);
+      }
+    }
+    return worst;
+  };
+  const auto normalError = [&](const Converted& volumes) {
+    double worst = 0.0;
+    for (int b = 0; b < 6; ++b)
+    {
+      const auto derivative = [&](int d) {
+        return evaluate(volumes.volumes[b], Vec3::Zero(), { d == 0, d == 1, 0 });
+      };
+      // The slopes of roof() along y at the origin.
+      const Vec3 exact = (mesh.blocks[b].at({ cells, cells, 0 })[1] > 0.0 ? Vec3(0, 0.3, 1) : Vec3(0, -0.4, 1));
+      worst = std::max(worst, (derivative(0).cross(derivative(1)).normalized() - exact.normalized()).norm());
+    }
+    return worst;
+  };
+  std::printf("crease: off the edge by %.1e without the body, %.1e with it; normals at the vertex by %.1e and %.1e\n",
+    offTheEdge(plain), offTheEdge(fitted), normalError(plain), normalError(fitted));
+  EXPECT_GT(offTheEdge(plain), 1e-3);
+  EXPECT_LE(offTheEdge(fitted), 1e-12);
+  EXPECT_GT(normalError(plain), 1e-3);
+  EXPECT_LE(normalError(fitted), 1e-12);
+
+  const auto reference = conversioncases::canonicalNet(fitted);
+  for (unsigned seed = 1; seed <= 3; ++seed)
+  {
+    MeshCase other = onRoof(cells);
+    meshcases::shuffle(other, seed, true);
+    EXPECT_TRUE(conversioncases::canonicalNet(converted(other, true)) == reference);
+  }
 }

@@ -84,12 +84,26 @@ std::vector<Block> mixedBlocks(std::mt19937& random)
 TEST(Sampling, EqualsEvaluation)
 {
   std::mt19937 random(1);
-  for (Block block : mixedBlocks(random))
+  std::vector<Block> blocks = mixedBlocks(random);
+  for (Block& block : blocks)
   {
     for (double& x : block.points)
     {
       x = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
     }
+  }
+  const std::size_t polynomial = blocks.size();
+  for (std::size_t b = 0; b < polynomial; ++b)
+  {
+    Block rational = blocks[b];
+    for (std::size_t i = 0; i < rational.points.size() / 3; ++i)
+    {
+      rational.weights.push_back(std::uniform_real_distribution<double>(0.5, 2.0)(random));
+    }
+    blocks.push_back(rational);
+  }
+  for (const Block& block : blocks)
+  {
     const int level = 2;
     std::array<std::vector<double>, 3> u;
     for (int d = 0; d < 3; ++d)

@@ -20,11 +20,12 @@ using bsv::Ijk;
 using bsv::Index;
 using bsv::Interface;
 
-/// A block that owns its points.
+/// A block that owns its points, and its weights if it is rational.
 struct Block
 {
   BSplineVolume volume;
   std::vector<double> points;
+  std::vector<double> weights;
 
   Ijk counts() const { return { volume.count(0), volume.count(1), volume.count(2) }; }
   Index at(const Ijk& i) const { return i[0] + Index(volume.count(0)) * (i[1] + Index(volume.count(1)) * i[2]); }
@@ -32,6 +33,7 @@ struct Block
   {
     BSplineVolume result = volume;
     result.points = points.data();
+    result.weights = weights.empty() ? nullptr : weights.data();
     return result;
   }
 };
@@ -107,6 +109,10 @@ inline Block reoriented(const Block& block, const Orientation& o)
   forEach(result.counts(), [&](const Ijk& i) {
     const double* p = block.points.data() + 3 * block.at(o.old(i, block.counts()));
     result.points.insert(result.points.end(), p, p + 3);
+    if (!block.weights.empty())
+    {
+      result.weights.push_back(block.weights[block.at(o.old(i, block.counts()))]);
+    }
   });
   return result;
 }

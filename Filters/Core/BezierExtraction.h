@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file BezierExtraction.h
+/// A multi-block B-spline volume as Bezier cells: the same polynomials, or rationals, span by span.
+///
+/// n non-empty spans of degree p give n p + 1 Bezier points in a direction, cells sharing those between them. Points at
+/// which blocks meet are shared as well, so that the cells of the whole volume are connected.
+///
+/// Points at which blocks meet have the same bits from either block under the conditions of TensorPasses.h; then no
+/// numbering, orientation or number of threads matters.
+#pragma once
+
+#include "BSplineVolume.h"
+#include "BlockMesh.h"
+#include "BlockSurface.h"
+#include "TensorPasses.h"
+
+namespace bsv
+{
+
+enum class BezierCells
+{
+  Volume,     ///< one cell per span: hexahedra
+  OuterFaces, ///< one cell per span of the faces that meet no other: quadrilaterals
+  AllFaces    ///< one cell per span of all faces, those at which blocks meet once: quadrilaterals
+};
+
+/// Bezier points of a block per direction.
+/// @throws Error, beginning with `name`, if they are more than an int per direction or 2^63 bytes in all can hold.
+Ijk bezierCounts(const BSplineVolume& volume, const std::string& name);
+
+/// Face `face` of block `block`.
+struct BlockFace
+{
+  int block = 0;
+  int face = 0;
+};
+
+/// Numbers the Bezier points of all blocks, shared ones once, and computes them. The points on the surfaces of the
+/// blocks are computed and kept from the start: whether they are shared depends on their values.
+///
+/// Source: M. J. Borden, M. A. Scott, J. A. Evans, T. J. R. Hughes, Isogeometric finite element data structures based
+/// on Bezier extraction of NURBS, Int. J. Numer. Meth. Engng 87 (2011) 15-47, doi:10.1002/nme.2968.
+class BezierExtraction
+{
+public:
+  /// @param volumes must have passed checkBSplineVolume(); they, and what they view, must outlive the extraction.
+  /// @param interfaces contacts of whole faces, ranges not used; if null, faces whose Bezier points are equal in some
+  ///   orientation count as contacts. Points of a contact are shared if they are equal, and the faces have equal
+  ///   numbers of them: a gap stays a gap. Equal means: up to 1e-14 of the largest coordinate, and of the weight.
+  /// @throws Error, Aborted
+  BezierExtraction(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>* interfaces,
+    BezierCells cells, const Execution& run = {});
+
+  /// Whether any block is rational: then all points have weights.
+  bool rational() const { return this->Rational; }
+  /// Bezier points per direction, and spans per direction, of a block.
+  const Ijk& counts(int block) const { return this->Counts[block]; }
+  const Ijk& spans(int block) const { return this->Spans[block]; }
+
+  /// All points, each counted once.
+  Index pointCount() const { return this->PointCount; }
+  /// Number of Bezier point `p` of a block, or -1 if it belongs to no cell.
+  Index point(int block, const Ijk& p) const;
+
+  /// The faces that are cells, in the order of blocks and faces; empty for BezierCells::Volume.
+  const std::vector<BlockFace>& faces() const { return this->Faces; }
+
+  /// @param[out] points pointCount() triples.
+  /// @param[out] weights pointCount() numbers if rational(), else not used.
+  /// @throws Aborted
+  void evaluate(double* points, double* weights, const Execution& run = {}) const;
+
+private:
+  Index surfacePoint(const BlockFace& at, int s, int t) const;
+  void evaluateBox(
+    int block, const std::array<WeightTable, 3>& tables, double* homogeneous, const Execution& run) const;
+  void evaluateSurfaces(const Execution& run);
+  Ijk cornerOf(int block, int corner) const;
+  bool equal(Index a, int blockA, Index b, int blockB) const;
+  bool faceCountsFit(const Interface& contact) const;
+  template <typename Visitor>
+  void overContact(const Interface& contact, Visitor&& visit) const;
+  bool coincide(const Interface& contact) const;
+  std::vector<Interface> coincidentFaces() const;
+  void number(const std::vector<Interface>& contacts, BezierCells cells);
+
+  const std::vector<BSplineVolume>& Volumes;
+  bool Rational = false;
+  std::vector<Ijk> Counts;
+  std::vector<Ijk> Spans;
+  std::vector<std::array<WeightTable, 3>> Tables;
+  /// Bezier points on the surfaces of the blocks, before any are shared, and their numbers.
+  SurfaceNumbering Surface;
+  std::vector<double> SurfaceValues; ///< x, y, z and, if rational, the weight
+  std::vector<double> Tolerances;    ///< per block
+  std::vector<Index> SurfaceNumbers;
+  std::vector<BlockFace> Faces;
+  std::vector<Index> InsideStart; ///< per block; empty unless cells are hexahedra
+  Index PointCount = 0;
+};
+
+} // namespace bsv

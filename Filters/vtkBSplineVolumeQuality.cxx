@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkBSplineVolumeQuality.h"
+
+#include "BSplineVolumeData.h"
+#include "FilterExecution.h"
+#include "HexBlockData.h"
+#include "JacobianBounds.h"
+#include "Sampling.h"
+#include "SpanShape.h"
+
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkIdTypeArray.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtkStructuredGrid.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+
+vtkStandardNewMacro(vtkBSplineVolumeQuality);
+
+namespace
+{
+
+using bsv::Ijk;
+using bsv::Index;
+
+template <typename Array>
+vtkSmartPointer<Array> namedArray(const char* name, vtkIdType tuples, int components = 1)
+{
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(tuples);
+  return array;
+}
+
+/// Corners of the spans of a block, and the arrays that belong to its spans.
+struct BlockSpans
+{
+  Ijk corners;
+  Ijk spans;
+  vtkNew<vtkStructuredGrid> grid;
+  const double* points = nullptr;
+
+  vtkIdType count() const { return vtkIdType(this->spans[0]) * this->spans[1] * this->spans[2]; }
+  Index number(const Ijk& span) const { return span[0] + this->spans[0] * (span[1] + Index(this->spans[1]) * span[2]); }
+  Ijk span(Index number) const
+  {
+    const Index row = number / this->spans[0];
+    return { static_cast<int>(number % this->spans[0]), static_cast<int>(row % this->spans[1]),
+      static_cast<int>(row / this->spans[1]) };
+  }
+  double size(const Ijk& span, int direction) const
+  {
+    return bsv::spanSize(this->points, this->corners, span, direction);
+  }
+  /// Adds a cell array.
+  double* add(const char* name, int components = 1)
+  {
+    auto array = namedArray<vtkDoubleArray>(name, this->count(), components);
+    this->grid->GetCellData()->AddArray(array);
+    return array->GetPointer(0);
+  }
+};
+
+/// Where the spans of one face go on: the spans of the other face.
+struct Neighbour
+{
+  const BlockSpans* block = nullptr;
+  int face = 0;
+  int orientation = 0;
+};
+
+/// Span (s, t) of a face, in its axes.
+Ijk faceSpan(const Ijk& spans, int face, int s, int t)
+{
+  Ijk ijk{};
+  ijk[bsv::faceDirection(face)] = bsv::faceSide(face) ? spans[bsv::faceDirection(face)] - 1 : 0;
+  ijk[bsv::faceAxis(face, 0)] = s;
+  ijk[bsv::faceAxis(face, 1)] = t;
+  return ijk;
+}
+
+/// Size, across the interface, of the span that `span` of `block` meets at `face`.
+double sizeBeyond(const BlockSpans& block, const Ijk& span, int face, const Neighbour& neighbour)
+{
+  const int axes[2] = { bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
+  const std::array<int, 2> st = bsv::mapFacePoint(neighbour.orientation, span[axes[0]], span[axes[1]],
+    block.spans[axes[0]] - 1, block.spans[axes[1]] - 1);
+  return neighbour.block->size(
+    faceSpan(neighbour.block->spans, neighbour.face, st[0], st[1]), bsv::faceDirection(neighbour.face));
+}
+
+/// The neighbour at every face of every block.
+std::vector<std::array<Neighbour, 6>> neighbours(
+  const std::vector<bsv::Interface>& interfaces, const std::vector<BlockSpans>& blocks)
+{
+  std::vector<std::array<Neighbour, 6>> result(blocks.size());
+  for (const bsv::Interface& contact : interfaces)
+  {
+    const BlockSpans& a = blocks[contact.blockA];
+    const BlockSpans& b = blocks[contact.blockB];
+    const int swap = bsv::swapsAxes(contact.orientation) ? 1 : 0;
+    if (a.spans[bsv::faceAxis(contact.faceA, 0)] == b.spans[bsv::faceAxis(contact.faceB, swap)] &&
+      a.spans[bsv::faceAxis(contact.faceA, 1)] == b.spans[bsv::faceAxis(contact.faceB, 1 - swap)])
+    {
+      result[contact.blockA][contact.faceA] = { &b, contact.faceB, contact.orientation };
+      result[contact.blockB][contact.faceB] = { &a, contact.faceA, bsv::inverseOrientation(contact.orientation) };
+    }
+  }
+  return result;
+}
+
+/// `AspectRatio` and `GrowthRatio`.
+void addSizes(BlockSpans& block, const std::array<Neighbour, 6>& around, const bsv::Execution& run)
+{
+  double* aspect = block.add("AspectRatio");
+  double* growth = block.add("GrowthRatio", 3);
+  run.parallelFor(block.count(), 1024, [&](Index begin, Index end) {
+    for (Index n = begin; n < end; ++n)
+    {
+      const Ijk span = block.span(n);
+      aspect[n] = bsv::spanAspectRatio(block.points, block.corners, span);
+      for (int d = 0; d < 3; ++d)
+      {
+        const double size = block.size(span, d);
+        double worst = 1.0;
+        for (int side = 0; side < 2 && worst > 0.0; ++side)
+        {
+          Ijk next = span;
+          next[d] += side == 0 ? -1 : 1;
+          const int face = 2 * d + side;
+          double ratio = 1.0;
+          if (next[d] >= 0 && next[d] < block.spans[d])
+          {
+            ratio = bsv::sizeRatio(size, block.size(next, d));
+          }
+          else if (around[face].block)
+          {
+            ratio = bsv::sizeRatio(size, sizeBeyond(block, span, face, around[face]));
+          }
+          worst = ratio > 0.0 ? std::max(worst, ratio) : 0.0;
+        }
+        growth[3 * n + d] = worst;
+      }
+    }
+  });
+}
+
+/// `FirstCellHeight` at the faces of a block that are walls.
+void addHeights(BlockSpans& block, const std::vector<int>& wallFaces)
+{
+  double* height = block.add("FirstCellHeight");
+  std::fill(height, height + block.count(), 0.0);
+  for (const int face : wallFaces)
+  {
+    for (int t = 0; t < block.spans[bsv::faceAxis(face, 1)]; ++t)
+    {
+      for (int s = 0; s < block.spans[bsv::faceAxis(face, 0)]; ++s)
+      {
+        const Ijk span = faceSpan(block.spans, face, s, t);
+        const double found = bsv::spanHeight(block.points, block.corners, span, face);
+        double& kept = height[block.number(span)];
+        kept = kept > 0.0 ? std::min(kept, found) : found;
+      }
+    }
+  }
+}
+
+/// Points of all witnesses with their arrays.
+void addWitnesses(const bsv::BSplineVolumeBlocks& input, const std::vector<bsv::JacobianReport>& reports, vtkPolyData* data)
+{
+  vtkIdType count = 0;
+  for (const bsv::JacobianReport& report : reports)
+  {
+    count += static_cast<vtkIdType>(report.witnesses.size());
+  }
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(count);
+  vtkNew<vtkCellArray> vertices;
+  const auto block = namedArray<vtkIntArray>("BlockId", count);
+  const auto span = namedArray<vtkIntArray>("Span", count, 3);
+  const auto uvw = namedArray<vtkDoubleArray>("UVW", count, 3);
+  const auto jacobian = namedArray<vtkDoubleArray>("Jacobian", count);
+  vtkIdType at = 0;
+  for (std::size_t b = 0; b < reports.size(); ++b)
+  {
+    for (const bsv::JacobianWitness& witness : reports[b].witnesses)
+    {
+      points->SetPoint(at, bsv::evaluate(input.volumes[b], witness.uvw).data());
+      vertices->InsertNextCell({ at });
+      block->SetValue(at, static_cast<int>(b));
+      span->SetTypedTuple(at, witness.ijk.data());
+      uvw->SetTypedTuple(at, witness.uvw.data());
+      jacobian->SetValue(at, witness.value);
+      ++at;
+    }
+  }
+  data->SetPoints(points);
+  data->SetVerts(vertices);
+  for (vtkDataArray* array : std::initializer_list<vtkDataArray*>{ block, span, uvw, jacobian })
+  {
+    data->GetPointData()->AddArray(array);
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkBSplineVolumeQuality::vtkBSplineVolumeQuality()
+{
+  this->SetNumberOfOutputPorts(2);
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeQuality::AddBodyBoundary(const char* pattern)
+{
+  if (pattern && *pattern)
+  {
+    this->BodyBoundaries.emplace_back(pattern);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeQuality::ClearBodyBoundaries()
+{
+  this->BodyBoundaries.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+const char* vtkBSplineVolumeQuality::GetBodyBoundary(int index) const
+{
+  return index >= 0 && index < this->GetNumberOfBodyBoundaries() ? this->BodyBoundaries[index].c_str() : nullptr;
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeQuality::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Remove(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE());
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeQuality::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPartitionedDataSetCollection" : "vtkPolyData");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeQuality::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
+  auto* witnesses = vtkPolyData::GetData(outputVector, 1);
+  if (!output || !witnesses)
+  {
+    vtkErrorMacro("An output is missing.");
+    return 0;
+  }
+  this->NumberOfSpans = this->NumberOfValidSpans = this->NumberOfInvalidSpans = this->NumberOfUndecidedSpans = 0;
+  this->MinimumJacobian = this->MinimumScaledJacobian = 0.0;
+  this->WorstBlock = -1;
+  return bsv::execute(this, output, [&] {
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    if (input.volumes.empty())
+    {
+      return;
+    }
+    const std::size_t count = input.volumes.size();
+    std::vector<BlockSpans> blocks(count);
+    double total = 0.0;
+    for (std::size_t b = 0; b < count; ++b)
+    {
+      blocks[b].corners = bsv::sampleCounts(input.volumes[b], 0, input.label(b));
+      for (int d = 0; d < 3; ++d)
+      {
+        blocks[b].spans[d] = blocks[b].corners[d] - 1;
+      }
+      total += static_cast<double>(blocks[b].count());
+    }
+
+    std::vector<std::vector<int>> walls(count);
+    for (const bsv::BoundaryPatch& patch : input.boundaries)
+    {
+      if (bsv::matchesAny(this->BodyBoundaries, input.boundaryNames[patch.tag]))
+      {
+        walls[patch.block].push_back(patch.face);
+      }
+    }
+
+    const auto validSpans = namedArray<vtkIdTypeArray>("ValidSpans", static_cast<vtkIdType>(count));
+    const auto invalidSpans = namedArray<vtkIdTypeArray>("InvalidSpans", static_cast<vtkIdType>(count));
+    const auto undecidedSpans = namedArray<vtkIdTypeArray>("UndecidedSpans", static_cast<vtkIdType>(count));
+    const auto minimum = namedArray<vtkDoubleArray>("MinimumJacobian", static_cast<vtkIdType>(count));
+    const auto minimumScaled = namedArray<vtkDoubleArray>("MinimumScaledJacobian", static_cast<vtkIdType>(count));
+    std::vector<bsv::JacobianReport> reports(count);
+    bsv::JacobianOptions options;
+    options.maxDepth = this->MaximumDepth;
+    double done = 0.0;
+    for (std::size_t b = 0; b < count; ++b)
+    {
+      BlockSpans& block = blocks[b];
+      const vtkIdType spans = block.count();
+      const double start = 0.9 * done / total;
+      done += static_cast<double>(spans);
+      const double end = 0.9 * done / total;
+
+      vtkNew<vtkPoints> points;
+      points->SetDataTypeToDouble();
+      points->SetNumberOfPoints(vtkIdType(block.corners[0]) * block.corners[1] * block.corners[2]);
+      auto* coordinates = vtkDoubleArray::SafeDownCast(points->GetData());
+      bsv::sample(input.volumes[b], 0, { 0, 0, 0 }, coordinates->GetPointer(0),
+        bsv::filterExecution(this, start, start + 0.1 * (end - start)));
+      block.points = coordinates->GetPointer(0);
+      block.grid->SetDimensions(block.corners.data());
+      block.grid->SetPoints(points);
+
+      const auto validity = namedArray<vtkUnsignedCharArray>("Validity", spans);
+      block.grid->GetCellData()->AddArray(validity);
+      bsv::JacobianArrays arrays;
+      arrays.validity = validity->GetPointer(0);
+      arrays.lower = block.add("MinJacobian");
+      arrays.upper = block.add("MaxJacobian");
+      arrays.scaledJacobian = block.add("ScaledJacobian");
+      arrays.skewness = block.add("Skewness");
+      reports[b] = bsv::jacobianBounds(input.volumes[b], input.label(b), options, arrays,
+        bsv::filterExecution(this, start + 0.1 * (end - start), end));
+
+      const bsv::JacobianReport& report = reports[b];
+      const vtkIdType at = static_cast<vtkIdType>(b);
+      validSpans->SetValue(at, report.valid);
+      invalidSpans->SetValue(at, report.invalid);
+      undecidedSpans->SetValue(at, report.undecided);
+      minimum->SetValue(at, report.lowest);
+      minimumScaled->SetValue(at, *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans));
+      this->NumberOfSpans += spans;
+      this->NumberOfValidSpans += report.valid;
+      this->NumberOfInvalidSpans += report.invalid;
+      this->NumberOfUndecidedSpans += report.undecided;
+      if (this->WorstBlock < 0 || report.lowest < this->MinimumJacobian)
+      {
+        this->MinimumJacobian = report.lowest;
+        this->WorstBlock = static_cast<int>(b);
+      }
+      this->MinimumScaledJacobian =
+        b == 0 ? minimumScaled->GetValue(at) : std::min(this->MinimumScaledJacobian, minimumScaled->GetValue(at));
+      // The bounds of single spans may reach beyond zero although det J does not.
+      if (report.invalid == spans && 2 * report.negative > spans)
+      {
+        vtkWarningMacro(<< input.label(b) << " is left-handed: det J <= 0 in all of its " << spans << " spans.");
+      }
+    }
+
+    const bsv::Execution run = bsv::filterExecution(this, 0.9, 1.0);
+    const std::vector<std::array<Neighbour, 6>> around = neighbours(input.interfaces, blocks);
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    for (std::size_t b = 0; b < count; ++b)
+    {
+      run.report(static_cast<double>(b) / static_cast<double>(count));
+      addSizes(blocks[b], around[b], run);
+      addHeights(blocks[b], walls[b]);
+      grids.push_back(blocks[b].grid);
+    }
+    bsv::setBlocks(output, grids, input.names, "Quality");
+    bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames);
+    vtkNew<vtkStringArray> names;
+    names->SetName("ValidityNames");
+    for (const std::string& name : bsv::validityNames())
+    {
+      names->InsertNextValue(name);
+    }
+    for (vtkAbstractArray* array : std::initializer_list<vtkAbstractArray*>{
+           names, validSpans, invalidSpans, undecidedSpans, minimum, minimumScaled })
+    {
+      output->GetFieldData()->AddArray(array);
+    }
+    run.report(1.0);
+    addWitnesses(input, reports, witnesses);
+  });
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeQuality::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "MaximumDepth: " << this->MaximumDepth << '\n';
+  os << indent << "BodyBoundaries: " << bsv::quotedList(this->BodyBoundaries) << '\n';
+  os << indent << "NumberOfSpans: " << this->NumberOfSpans << '\n';
+  os << indent << "NumberOfValidSpans: " << this->NumberOfValidSpans << '\n';
+  os << indent << "NumberOfInvalidSpans: " << this->NumberOfInvalidSpans << '\n';
+  os << indent << "NumberOfUndecidedSpans: " << this->NumberOfUndecidedSpans << '\n';
+  os << indent << "MinimumJacobian: " << this->MinimumJacobian << '\n';
+  os << indent << "MinimumScaledJacobian: " << this->MinimumScaledJacobian << '\n';
+  os << indent << "WorstBlock: " << this->WorstBlock << '\n';
+}

@@ -1,0 +1,617 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkBSplineVolumeSmoothness.h"
+
+#include "BSplineVolumeData.h"
+#include "FilterExecution.h"
+#include "Smoothness.h"
+#include "VolumeInterfaces.h"
+
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataAssembly.h"
+#include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtkTable.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <map>
+#include <sstream>
+
+vtkStandardNewMacro(vtkBSplineVolumeSmoothness);
+
+namespace
+{
+
+using bsv::JumpKind;
+using bsv::Vec3;
+
+/// The four ports.
+struct Outputs
+{
+  vtkPartitionedDataSetCollection* interfaces;
+  vtkPartitionedDataSetCollection* blocks;
+  vtkTable* joins;
+  vtkPolyData* curves;
+
+  void Initialize()
+  {
+    this->interfaces->Initialize();
+    this->blocks->Initialize();
+    this->joins->Initialize();
+    this->curves->Initialize();
+  }
+};
+
+/// A jump as users see it: the two normal jumps are one.
+struct Measure
+{
+  const char* name;
+  std::vector<JumpKind> kinds;
+};
+const std::vector<Measure>& measures()
+{
+  static const std::vector<Measure> all{ { "Gap", { JumpKind::Gap } },
+    { "NormalJump", { JumpKind::NormalS, JumpKind::NormalT } }, { "LayerJump", { JumpKind::Layer } },
+    { "Kink", { JumpKind::Kink } }, { "C1Jump", { JumpKind::C1 } }, { "C2Jump", { JumpKind::C2 } } };
+  return all;
+}
+
+/// Name of a jump as a maximum.
+const char* measureName(JumpKind kind)
+{
+  for (const Measure& measure : measures())
+  {
+    if (std::find(measure.kinds.begin(), measure.kinds.end(), kind) != measure.kinds.end())
+    {
+      return measure.name;
+    }
+  }
+  return "";
+}
+
+/// The largest of the kinds of a measure; at(kind) gives one.
+template <typename At>
+double largest(const Measure& measure, const At& at)
+{
+  double value = 0.0;
+  for (const JumpKind kind : measure.kinds)
+  {
+    value = std::max<double>(value, at(static_cast<int>(kind)));
+  }
+  return value;
+}
+
+template <typename Array, typename Value>
+vtkSmartPointer<Array> filled(const std::string& name, vtkIdType count, Value value)
+{
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name.c_str());
+  array->SetNumberOfValues(count);
+  array->FillValue(value);
+  return array;
+}
+
+template <typename Array, typename Value>
+vtkSmartPointer<Array> listed(const char* name, std::initializer_list<Value> values)
+{
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name);
+  for (const Value value : values)
+  {
+    array->InsertNextValue(value);
+  }
+  return array;
+}
+
+vtkSmartPointer<vtkPoints> pointsOf(const std::vector<Vec3>& list)
+{
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(list.size()));
+  for (std::size_t n = 0; n < list.size(); ++n)
+  {
+    points->SetPoint(static_cast<vtkIdType>(n), list[n].data());
+  }
+  return points;
+}
+
+/// The quadrilaterals of a grid of ns x nt points that starts at point `first`.
+void addQuads(vtkCellArray* cells, vtkIdType first, vtkIdType ns, vtkIdType nt)
+{
+  for (vtkIdType t = 0; t + 1 < nt; ++t)
+  {
+    for (vtkIdType s = 0; s + 1 < ns; ++s)
+    {
+      const vtkIdType p = first + s + ns * t;
+      cells->InsertNextCell({ p, p + 1, p + 1 + ns, p + ns });
+    }
+  }
+}
+
+vtkSmartPointer<vtkPolyData> interfaceSurface(const bsv::Join& join, int id, int parts)
+{
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  surface->SetPoints(pointsOf(join.points));
+  vtkNew<vtkCellArray> quads;
+  addQuads(quads, 0, join.samples[0], join.samples[1]);
+  surface->SetPolys(quads);
+
+  const vtkIdType points = surface->GetNumberOfPoints();
+  const vtkIdType cells = surface->GetNumberOfCells();
+  for (const Measure& measure : measures())
+  {
+    const int components = static_cast<int>(measure.kinds.size());
+    vtkNew<vtkDoubleArray> values;
+    values->SetName(measure.name);
+    values->SetNumberOfComponents(components);
+    values->SetNumberOfTuples(points);
+    for (int c = 0; c < components; ++c)
+    {
+      const std::vector<double>& list = join.values[int(measure.kinds[c])];
+      for (vtkIdType n = 0; n < points; ++n)
+      {
+        values->SetTypedComponent(n, c, list[n]);
+      }
+    }
+    surface->GetPointData()->AddArray(values);
+    if (components > 1)
+    {
+      values->SetComponentName(0, "S");
+      values->SetComponentName(1, "T");
+      const auto worst = filled<vtkDoubleArray>("WorstNormalJump", points, 0.0);
+      for (vtkIdType n = 0; n < points; ++n)
+      {
+        worst->SetValue(n, largest(measure, [&](int kind) { return join.values[kind][n]; }));
+      }
+      surface->GetPointData()->AddArray(worst);
+    }
+
+    const auto spans = filled<vtkDoubleArray>(std::string("Span") + measure.name, cells, 0.0);
+    const vtkIdType row = join.samples[0] - 1;
+    for (vtkIdType n = 0; n < cells; ++n)
+    {
+      const std::size_t span = n % row / parts + std::size_t(join.spans[0]) * (n / row / parts);
+      spans->SetValue(n, largest(measure, [&](int kind) { return join.spanMaxima[kind][span]; }));
+    }
+    surface->GetCellData()->AddArray(spans);
+    const double maximum = largest(measure, [&](int kind) { return join.worst[kind].value; });
+    surface->GetFieldData()->AddArray(filled<vtkDoubleArray>(std::string("Maximum") + measure.name, 1, maximum));
+  }
+  const int continuity = static_cast<int>(join.continuity);
+  surface->GetCellData()->AddArray(filled<vtkIntArray>("Continuity", cells, continuity));
+  const auto& sides = join.sides;
+  const auto& v = join.valences;
+  for (const auto& array :
+    { listed<vtkIntArray>("InterfaceId", { id }), listed<vtkIntArray>("Blocks", { sides[0].block, sides[1].block }),
+      listed<vtkIntArray>("Faces", { sides[0].face, sides[1].face }),
+      listed<vtkIntArray>("Orientation", { join.orientation }),
+      listed<vtkIntArray>("AtCrease", { join.atCrease ? 1 : 0 }), listed<vtkIntArray>("Continuity", { continuity }),
+      listed<vtkIntArray>("Valences", { v[0], v[1], v[2], v[3] }) })
+  {
+    surface->GetFieldData()->AddArray(array);
+  }
+  return surface;
+}
+
+/// The six faces of a block.
+vtkSmartPointer<vtkPolyData> skin(const bsv::BSplineVolume& volume, int parts)
+{
+  std::vector<Vec3> points;
+  vtkNew<vtkCellArray> quads;
+  for (int face = 0; face < 6; ++face)
+  {
+    const bsv::FaceSamples samples = bsv::sampleFace(volume, face, parts);
+    addQuads(quads, static_cast<vtkIdType>(points.size()), samples.samples[0], samples.samples[1]);
+    points.insert(points.end(), samples.points.begin(), samples.points.end());
+  }
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  surface->SetPoints(pointsOf(points));
+  surface->SetPolys(quads);
+  return surface;
+}
+
+/// @param row row of the table, or -1
+void setBlockJumps(vtkPolyData* surface, const bsv::BlockSmoothness& block, int row)
+{
+  const vtkIdType cells = surface->GetNumberOfCells();
+  const auto both = [&](const auto& make) {
+    surface->GetCellData()->AddArray(make(cells));
+    surface->GetFieldData()->AddArray(make(1));
+  };
+  for (const Measure& measure : measures())
+  {
+    const double value = largest(measure, [&](int kind) { return block.worst[kind]; });
+    both([&](vtkIdType n) { return filled<vtkDoubleArray>(measure.name, n, value); });
+  }
+  both([&](vtkIdType n) { return filled<vtkIntArray>("Continuity", n, static_cast<int>(block.continuity)); });
+  both([&](vtkIdType n) { return filled<vtkIntArray>("WorstJoin", n, row); });
+}
+
+void setParts(vtkPartitionedDataSetCollection* output, const std::vector<vtkSmartPointer<vtkPolyData>>& parts,
+  const std::vector<std::string>& names, const char* root)
+{
+  output->SetNumberOfPartitionedDataSets(static_cast<unsigned int>(parts.size()));
+  vtkNew<vtkDataAssembly> assembly;
+  assembly->SetRootNodeName(root);
+  for (unsigned int p = 0; p < parts.size(); ++p)
+  {
+    output->SetPartition(p, 0, parts[p]);
+    output->GetMetaData(p)->Set(vtkCompositeDataSet::NAME(), names[p].c_str());
+    const int node = assembly->AddNode(vtkDataAssembly::MakeValidNodeName(names[p].c_str()).c_str());
+    assembly->AddDataSetIndex(node, p);
+    assembly->SetAttribute(node, "label", names[p].c_str());
+  }
+  output->SetDataAssembly(assembly);
+}
+
+const char* kindOf(const bsv::Join& join)
+{
+  return !join.border() ? "interface" : join.crease ? "crease" : "wall border";
+}
+
+void fillTable(vtkTable* table, const bsv::SmoothnessResult& result, const std::vector<std::string>& names)
+{
+  const auto column = [&](auto array, const std::string& name, int components, const auto& fill) {
+    array->SetName(name.c_str());
+    array->SetNumberOfComponents(components);
+    array->SetNumberOfTuples(static_cast<vtkIdType>(result.ranking.size()));
+    for (std::size_t row = 0; row < result.ranking.size(); ++row)
+    {
+      fill(array.Get(), static_cast<vtkIdType>(row), result.joins[result.ranking[row]]);
+    }
+    table->AddColumn(array);
+  };
+  const auto text = [&](const std::string& name, const auto& get) {
+    column(vtkSmartPointer<vtkStringArray>::New(), name, 1,
+      [&](vtkStringArray* array, vtkIdType row, const bsv::Join& join) { array->SetValue(row, get(join)); });
+  };
+  const auto integer = [&](const std::string& name, const auto& get) {
+    column(vtkSmartPointer<vtkIntArray>::New(), name, 1,
+      [&](vtkIntArray* array, vtkIdType row, const bsv::Join& join) { array->SetValue(row, get(join)); });
+  };
+  const auto number = [&](const std::string& name, const auto& get) {
+    column(vtkSmartPointer<vtkDoubleArray>::New(), name, 1,
+      [&](vtkDoubleArray* array, vtkIdType row, const bsv::Join& join) { array->SetValue(row, get(join)); });
+  };
+  const auto triple = [&](const std::string& name, const auto& get) {
+    column(vtkSmartPointer<vtkDoubleArray>::New(), name, 3,
+      [&](vtkDoubleArray* array, vtkIdType row, const bsv::Join& join) {
+        array->SetTypedTuple(row, get(join.worst[int(join.rankedBy())]).data());
+      });
+  };
+  using bsv::Join;
+  using bsv::JumpMaximum;
+
+  text("Continuity", [](const Join& join) { return bsv::continuityName(join.continuity); });
+  text("Kind", [](const Join& join) { return kindOf(join); });
+  for (int side = 0; side < 2; ++side)
+  {
+    text(side ? "NameB" : "NameA", [&](const Join& join) { return names[join.sides[side].block]; });
+  }
+  for (int side = 0; side < 2; ++side)
+  {
+    const std::string letter = side ? "B" : "A";
+    integer("Block" + letter, [&](const Join& join) { return join.sides[side].block; });
+    integer("Face" + letter, [&](const Join& join) { return join.sides[side].face; });
+    integer("Edge" + letter, [&](const Join& join) { return join.sides[side].edge; });
+  }
+  integer("Orientation", [](const Join& join) { return join.orientation; });
+  integer("AtCrease", [](const Join& join) { return join.crease || join.atCrease ? 1 : 0; });
+  for (const Measure& measure : measures())
+  {
+    const std::string name = std::string("Maximum") + measure.name;
+    number(name, [&](const Join& join) { return largest(measure, [&](int kind) { return join.worst[kind].value; }); });
+    for (std::size_t c = 0; measure.kinds.size() > 1 && c < measure.kinds.size(); ++c)
+    {
+      number(name + (c ? "T" : "S"), [&](const Join& join) { return join.worst[int(measure.kinds[c])].value; });
+    }
+  }
+  text("RankedBy", [](const Join& join) { return measureName(join.rankedBy()); });
+  triple("Where", [](const JumpMaximum& jump) { return jump.point; });
+  triple("UVWA", [](const JumpMaximum& jump) { return jump.uvw[0]; });
+  triple("UVWB", [](const JumpMaximum& jump) { return jump.uvw[1]; });
+}
+
+/// Lines with one value of each array per line, and a jump per point.
+class CurveBuilder
+{
+public:
+  CurveBuilder()
+  {
+    for (std::size_t n = 0; n < this->PerCell.size(); ++n)
+    {
+      this->PerCell[n]->SetName(Names[n]);
+    }
+    this->Valence->SetName("Valence");
+    this->NormalJump->SetName("NormalJump");
+    this->Points->SetDataTypeToDouble();
+  }
+
+  /// @param perCell kind, valence, continuity, block A, block B
+  void add(const std::vector<Vec3>& points, const std::vector<double>& jumps, const std::array<int, 5>& perCell)
+  {
+    this->Lines->InsertNextCell(static_cast<int>(points.size()));
+    for (std::size_t n = 0; n < points.size(); ++n)
+    {
+      this->Lines->InsertCellPoint(this->Points->InsertNextPoint(points[n].data()));
+      this->NormalJump->InsertNextValue(jumps[n]);
+      this->Valence->InsertNextValue(perCell[1]);
+    }
+    for (std::size_t n = 0; n < perCell.size(); ++n)
+    {
+      this->PerCell[n]->InsertNextValue(perCell[n]);
+    }
+  }
+
+  void build(vtkPolyData* output)
+  {
+    output->SetPoints(this->Points);
+    output->SetLines(this->Lines);
+    output->GetPointData()->AddArray(this->Valence);
+    output->GetPointData()->AddArray(this->NormalJump);
+    for (const auto& array : this->PerCell)
+    {
+      output->GetCellData()->AddArray(array);
+    }
+  }
+
+private:
+  static constexpr const char* Names[5] = { "Kind", "Valence", "Continuity", "BlockA", "BlockB" };
+  vtkNew<vtkPoints> Points;
+  vtkNew<vtkCellArray> Lines;
+  vtkNew<vtkIntArray> Valence;
+  vtkNew<vtkDoubleArray> NormalJump;
+  std::array<vtkNew<vtkIntArray>, 5> PerCell;
+};
+
+void fillCurves(vtkPolyData* output, const bsv::SmoothnessResult& result)
+{
+  CurveBuilder builder;
+  for (const bsv::ExtraordinaryCurve& curve : result.curves)
+  {
+    builder.add(curve.points, curve.normalJump, { 0, curve.valence, -1, -1, -1 });
+  }
+  for (const bsv::Join& join : result.joins)
+  {
+    if (join.border())
+    {
+      builder.add(join.points, join.values[int(JumpKind::NormalS)],
+        { join.crease ? 2 : 1, std::abs(join.valences[0]), static_cast<int>(join.continuity), join.sides[0].block,
+          join.sides[1].block });
+    }
+  }
+  builder.build(output);
+}
+
+std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std::string>& names)
+{
+  std::ostringstream text;
+  for (const bool border : { false, true })
+  {
+    std::map<bsv::Continuity, int> counts;
+    int joins = 0;
+    int creases = 0;
+    for (const bsv::Join& join : result.joins)
+    {
+      if (join.border() == border)
+      {
+        ++joins;
+        creases += join.crease ? 1 : 0;
+        counts[join.continuity] += join.crease ? 0 : 1;
+      }
+    }
+    text << joins << (border ? " wall borders" : " interfaces");
+    const char* separator = ": ";
+    for (const auto& [continuity, count] : counts)
+    {
+      if (count > 0)
+      {
+        text << separator << count << ' ' << bsv::continuityName(continuity);
+        separator = ", ";
+      }
+    }
+    if (creases > 0)
+    {
+      text << separator << creases << " creases";
+    }
+    text << '\n';
+  }
+  std::map<int, int> curves;
+  for (const bsv::ExtraordinaryCurve& curve : result.curves)
+  {
+    ++curves[curve.valence];
+  }
+  for (const auto& [valence, count] : curves)
+  {
+    text << count << " extraordinary block edges of valence " << valence << '\n';
+  }
+  if (!result.ranking.empty() && !result.joins[result.ranking.front()].crease)
+  {
+    const bsv::Join& join = result.joins[result.ranking.front()];
+    const bsv::JumpMaximum& jump = join.worst[int(join.rankedBy())];
+    text << "worst: " << kindOf(join) << ' ' << names[join.sides[0].block] << '|' << names[join.sides[1].block] << ", "
+         << bsv::continuityName(join.continuity) << ", " << measureName(join.rankedBy()) << ' ' << jump.value << " at "
+         << jump.point[0] << ' ' << jump.point[1] << ' ' << jump.point[2] << '\n';
+  }
+  return text.str();
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkBSplineVolumeSmoothness::vtkBSplineVolumeSmoothness()
+{
+  this->SetNumberOfOutputPorts(4);
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeSmoothness::AddBodyBoundary(const char* pattern)
+{
+  if (pattern && *pattern)
+  {
+    this->BodyBoundaries.emplace_back(pattern);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeSmoothness::ClearBodyBoundaries()
+{
+  this->BodyBoundaries.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+const char* vtkBSplineVolumeSmoothness::GetBodyBoundary(int index) const
+{
+  return index >= 0 && index < this->GetNumberOfBodyBoundaries() ? this->BodyBoundaries[index].c_str() : nullptr;
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeSmoothness::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeSmoothness::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  static constexpr const char* Types[4] = { "vtkPartitionedDataSetCollection", "vtkPartitionedDataSetCollection",
+    "vtkTable", "vtkPolyData" };
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), Types[port]);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeSmoothness::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  Outputs output{ vtkPartitionedDataSetCollection::GetData(outputVector, 0),
+    vtkPartitionedDataSetCollection::GetData(outputVector, 1), vtkTable::GetData(outputVector, 2),
+    vtkPolyData::GetData(outputVector, 3) };
+  if (!output.interfaces || !output.blocks || !output.joins || !output.curves)
+  {
+    vtkErrorMacro("An output is missing.");
+    return 0;
+  }
+
+  this->MaximumGap = this->MaximumNormalJump = this->MaximumLayerJump = this->MaximumKink = this->MaximumC1Jump =
+    this->MaximumC2Jump = 0.0;
+  this->NumberOfInterfaces = this->NumberOfWallBorders = this->NumberOfExtraordinaryCurves = 0;
+  this->Report.clear();
+
+  return bsv::execute(this, &output, [&] {
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    if (input.volumes.empty())
+    {
+      return;
+    }
+    const auto blockName = [&](int block) { return input.label(block); };
+    std::vector<bsv::Interface> interfaces = input.interfaces;
+    if (!input.hasInterfaces)
+    {
+      if (!(this->MatchTolerance > 0.0 && this->MatchTolerance < 0.5))
+      {
+        throw bsv::Error("MatchTolerance must lie between 0 and 0.5, not " + std::to_string(this->MatchTolerance));
+      }
+      bsv::VolumeInterfaceOptions search;
+      search.tolerance = this->MatchTolerance;
+      search.boundaries = input.boundaries;
+      search.blockName = blockName;
+      interfaces = bsv::findVolumeInterfaces(input.volumes, search, bsv::filterExecution(this, 0.0, 0.1));
+    }
+
+    std::vector<bool> wall(6 * input.volumes.size(), false);
+    for (const bsv::BoundaryPatch& patch : input.boundaries)
+    {
+      wall[6 * patch.block + patch.face] = bsv::matchesAny(this->BodyBoundaries, input.boundaryNames[patch.tag]);
+    }
+    const bool all = this->AllOuterFaces || std::find(wall.begin(), wall.end(), true) == wall.end();
+    bsv::SmoothnessOptions options;
+    options.samplesPerSpan = this->SamplesPerSpan;
+    options.creaseAngle = this->CreaseAngle;
+    options.gapTolerance = this->GapTolerance;
+    options.tolerance = this->Tolerance;
+    options.isWall = [&](int block, int face) { return all || wall[6 * block + face]; };
+    options.rules = input.rules;
+    options.blockName = blockName;
+    bsv::SmoothnessResult result =
+      bsv::measureSmoothness(input.volumes, interfaces, options, bsv::filterExecution(this, 0.1, 0.7));
+
+    std::vector<vtkSmartPointer<vtkPolyData>> surfaces;
+    std::vector<std::string> names;
+    fillTable(output.joins, result, input.names);
+    fillCurves(output.curves, result);
+    for (std::size_t n = 0; n < interfaces.size(); ++n)
+    {
+      bsv::Join& join = result.joins[n];
+      surfaces.push_back(interfaceSurface(join, static_cast<int>(n), this->SamplesPerSpan));
+      names.push_back(input.names[join.sides[0].block] + "|" + input.names[join.sides[1].block]);
+      // Not twice in memory.
+      join.points = {};
+      join.values = {};
+      join.spanMaxima = {};
+    }
+    setParts(output.interfaces, surfaces, names, "Interfaces");
+
+    const bsv::Execution run = bsv::filterExecution(this, 0.7, 1.0);
+    std::vector<int> rowOf(result.joins.size() + 1, -1);
+    for (std::size_t row = 0; row < result.ranking.size(); ++row)
+    {
+      rowOf[result.ranking[row]] = static_cast<int>(row);
+    }
+    surfaces.clear();
+    for (std::size_t b = 0; b < input.volumes.size(); ++b)
+    {
+      run.report(static_cast<double>(b) / input.volumes.size());
+      const int worst = result.blocks[b].worstJoin;
+      surfaces.push_back(skin(input.volumes[b], this->SamplesPerSpan));
+      setBlockJumps(surfaces.back(), result.blocks[b], worst < 0 ? -1 : rowOf[worst]);
+    }
+    setParts(output.blocks, surfaces, input.names, "Blocks");
+
+    double* totals[] = { &this->MaximumGap, &this->MaximumNormalJump, &this->MaximumLayerJump, &this->MaximumKink,
+      &this->MaximumC1Jump, &this->MaximumC2Jump };
+    for (std::size_t m = 0; m < measures().size(); ++m)
+    {
+      const Measure& measure = measures()[m];
+      *totals[m] = largest(measure, [&](int kind) { return result.worst[kind]; });
+      output.interfaces->GetFieldData()->AddArray(
+        filled<vtkDoubleArray>(std::string("Maximum") + measure.name, 1, *totals[m]));
+    }
+    this->NumberOfInterfaces = static_cast<int>(interfaces.size());
+    this->NumberOfWallBorders = static_cast<int>(result.joins.size() - interfaces.size());
+    this->NumberOfExtraordinaryCurves = static_cast<int>(result.curves.size());
+    this->Report = reportOf(result, input.names);
+    this->UpdateProgress(1.0);
+  });
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeSmoothness::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "SamplesPerSpan: " << this->SamplesPerSpan << '\n';
+  os << indent << "BodyBoundaries: " << bsv::quotedList(this->BodyBoundaries) << '\n';
+  os << indent << "AllOuterFaces: " << (this->AllOuterFaces ? "On" : "Off") << '\n';
+  os << indent << "CreaseAngle: " << this->CreaseAngle << '\n';
+  os << indent << "GapTolerance: " << this->GapTolerance << '\n';
+  os << indent << "Tolerance: " << this->Tolerance << '\n';
+  os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
+  os << indent << "Report: " << this->Report << '\n';
+}

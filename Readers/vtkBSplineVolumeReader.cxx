@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkBSplineVolumeReader.h"
+
+#include "BSplineVolumeData.h"
+#include "BSplineVolumeFile.h"
+#include "FilterExecution.h"
+#include "HexBlockData.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkErrorCode.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkStructuredGrid.h"
+#include "vtksys/SystemTools.hxx"
+
+vtkStandardNewMacro(vtkBSplineVolumeReader);
+
+namespace
+{
+
+vtkSmartPointer<vtkStructuredGrid> gridOf(const bsv::BSplineVolumeFileBlock& block, bool withAttribute)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(block.points.size()));
+  for (std::size_t i = 0; i < block.points.size(); ++i)
+  {
+    points->SetPoint(static_cast<vtkIdType>(i), block.points[i].data());
+  }
+  auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
+  grid->SetDimensions(block.volume.count(0), block.volume.count(1), block.volume.count(2));
+  grid->SetPoints(points);
+  bsv::setDegreeAndKnots(grid, block.volume);
+  if (!block.weights.empty())
+  {
+    vtkNew<vtkDoubleArray> weights;
+    weights->SetName("Weights");
+    weights->SetNumberOfValues(static_cast<vtkIdType>(block.weights.size()));
+    std::copy(block.weights.begin(), block.weights.end(), weights->GetPointer(0));
+    grid->GetPointData()->AddArray(weights);
+  }
+  if (withAttribute)
+  {
+    vtkNew<vtkIntArray> attribute;
+    attribute->SetName("Attribute");
+    attribute->InsertNextValue(block.attribute);
+    grid->GetFieldData()->AddArray(attribute);
+  }
+  return grid;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkBSplineVolumeReader::vtkBSplineVolumeReader()
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << this->FileName << "\n";
+  os << indent << "Format: " << this->Format << "\n";
+  os << indent << "NumberOfBlocks: " << this->NumberOfBlocks << "\n";
+  os << indent << "NumberOfRationalBlocks: " << this->NumberOfRationalBlocks << "\n";
+  os << indent << "NotRead: " << this->NotRead << "\n";
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeReader::CanReadFile(const char* fileName)
+{
+  return fileName && bsv::isBSplineVolumeFile(fileName) ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
+  this->SetErrorCode(vtkErrorCode::NoError);
+  this->Format.clear();
+  this->NotRead.clear();
+  this->NumberOfBlocks = this->NumberOfRationalBlocks = 0;
+  if (this->FileName.empty())
+  {
+    vtkErrorMacro("FileName is empty.");
+    this->SetErrorCode(vtkErrorCode::NoFileNameError);
+    return 0;
+  }
+  const int success = bsv::execute(this, output, [&] {
+    const bsv::Execution run = bsv::filterExecution(this);
+    run.report(0.0);
+    const bsv::BSplineVolumeFileContent content = bsv::readBSplineVolumeFile(this->FileName);
+    run.report(0.8);
+    const bool mesh = content.format == "MFEM NURBS mesh";
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    std::vector<std::string> names;
+    for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
+    {
+      grids.push_back(gridOf(block, mesh));
+      names.push_back(block.name);
+    }
+    bsv::setBlocks(output, grids, names, "Volumes");
+    bsv::setWholeFaceContacts(output, content.interfaces, content.boundaries, content.boundaryNames);
+
+    this->Format = content.format;
+    this->NumberOfBlocks = static_cast<int>(content.blocks.size());
+    for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
+    {
+      this->NumberOfRationalBlocks += block.rational;
+    }
+    for (const auto& other : content.others)
+    {
+      this->NotRead += (this->NotRead.empty() ? "" : ", ") + std::to_string(other.second) + " " + other.first;
+    }
+    if (!this->NotRead.empty())
+    {
+      vtkWarningMacro(<< this->FileName << ": left out: " << this->NotRead);
+    }
+    run.report(1.0);
+  });
+  if (!success)
+  {
+    this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
+                                                                       : vtkErrorCode::FileNotFoundError);
+  }
+  return success;
+}
