@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PlainCells.h"
 
+#include "RowLoop.h"
+
 #include <algorithm>
 #include <limits>
 #include <utility>
 #include <vector>
-
-// Loops over rows for the vector units that the machine has; results are the same bits for all of them.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__)
-#define BSV_ROW_LOOP __attribute__((target_clones("avx2", "default"), noinline))
-#else
-#define BSV_ROW_LOOP
-#endif
 
 namespace bsv
 {

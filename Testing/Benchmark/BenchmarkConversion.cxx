@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The conversion alone, from a block complex to control nets: six blocks around a sphere, whose wall is a body, with
-// eight extraordinary edges; points in double and in single precision.
+// eight extraordinary edges, points in double and in single precision; and more and more blocks of 20^3 cells.
 #include "BenchmarkSupport.h"
-#include "SphereCase.h"
+#include "MeshSizes.h"
 
 #include "Conversion.h"
 
 namespace
 {
 
-struct Conversion : bsvbench::SphereCase
+struct Conversion
 {
-  Conversion(bsv::Index points, bool isFloat)
-    : SphereCase(points, isFloat)
-    , complex(bsv::buildBlockComplex(this->blocks))
+  Conversion(const bsv::BlockMesh& mesh)
+    : complex(bsv::buildBlockComplex(mesh))
   {
-    this->options.roles = { bsv::BoundaryRole::Body };
+    this->options.roles.assign(this->complex.boundaryNames.size(), bsv::BoundaryRole::Body);
     for (const bsv::ComplexBlock& block : this->complex.blocks)
     {
       const bsv::Index size = bsv::Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
@@ -23,11 +22,12 @@ struct Conversion : bsvbench::SphereCase
       this->rules.emplace_back(size);
       this->nets.push_back({ this->points.back().data(), this->rules.back().data() });
       this->bytes += 25.0 * size;
-      // Of a net as many bytes as the block's own: a copy of the input to the output.
+      // A copy of the input to the output.
       const bsv::GridView& view = block.points;
+      this->meshPoints += view.size();
       this->copies.push_back({ this->points.back().data(),
-        isFloat ? static_cast<const void*>(view.address<float>(0, 0, 0)) : view.address<double>(0, 0, 0),
-        static_cast<std::size_t>(3 * view.size()) * (isFloat ? sizeof(float) : sizeof(double)) });
+        view.isFloat() ? static_cast<const void*>(view.address<float>(0, 0, 0)) : view.address<double>(0, 0, 0),
+        static_cast<std::size_t>(3 * view.size()) * (view.isFloat() ? sizeof(float) : sizeof(double)) });
     }
   }
 
@@ -38,17 +38,51 @@ struct Conversion : bsvbench::SphereCase
   std::vector<bsv::ControlNetStorage> nets;
   std::vector<bsvbench::Copy> copies;
   double bytes = 0.0;
+  bsv::Index meshPoints = 0;
 };
 
-void conversion(benchmark::State& state, bool isFloat)
+void run(benchmark::State& state, Conversion& work)
 {
-  Conversion& work = bsvbench::cached<Conversion>(
-    2 * bsvbench::pointsOf(state) + isFloat, [&] { return Conversion(bsvbench::pointsOf(state), isFloat); });
   const bsv::Execution run = bsvbench::execution(bsvbench::threadsOf(state));
   const auto convert = [&] { bsv::convertToBSplineVolume(work.complex, work.options, work.nets, run); };
   bsvbench::reportMemory(state, convert);
   const double seconds = bsvbench::fastest(state, convert);
+  state.counters["points"] = static_cast<double>(work.meshPoints);
   bsvbench::report(state, seconds, work.bytes, work.copies);
+}
+
+struct SphereConversion : bsvbench::SphereCase, Conversion
+{
+  SphereConversion(bsv::Index points, bool isFloat)
+    : SphereCase(points, isFloat)
+    , Conversion(this->blocks)
+  {
+  }
+};
+
+void conversion(benchmark::State& state, bool isFloat)
+{
+  const bsv::Index points = bsvbench::pointsOf(state);
+  run(state,
+    bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); }));
+}
+
+struct BoxConversion
+{
+  explicit BoxConversion(bsv::Index points)
+    : mesh(bsvbench::boxOfBlocks(points, 20))
+    , conversion(this->mesh.mesh())
+  {
+  }
+
+  meshcases::MeshCase mesh;
+  Conversion conversion;
+};
+
+void conversionOfBlocks(benchmark::State& state)
+{
+  const bsv::Index points = bsvbench::pointsOf(state);
+  run(state, bsvbench::cached<BoxConversion>(points, [&] { return BoxConversion(points); }).conversion);
 }
 
 void doubleSizes(benchmark::internal::Benchmark* benchmark)
@@ -62,6 +96,8 @@ void floatSizes(benchmark::internal::Benchmark* benchmark)
   bsvbench::sizes(benchmark, 65.0, 7);
 }
 BENCHMARK_CAPTURE(conversion, float, true)->Apply(floatSizes);
+
+BENCHMARK(conversionOfBlocks)->Apply(doubleSizes);
 
 } // namespace
 

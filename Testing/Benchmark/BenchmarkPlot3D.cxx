@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reading PLOT3D files of six blocks around a sphere: binary and text.
 #include "FileComparison.h"
-#include "SphereCase.h"
+#include "MeshSizes.h"
 
 #include "vtkHexBlockMeshReader.h"
 #include "vtkNew.h"

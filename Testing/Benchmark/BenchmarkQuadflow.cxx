@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writing and reading the topology file, text and binary: six blocks around a sphere.
 #include "FileComparison.h"
-#include "SphereCase.h"
+#include "MeshSizes.h"
 
 #include "Conversion.h"
 #include "QuadflowFormat.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checking, gluing and numbering a mesh: few large blocks around a sphere, and 10,000 blocks of 4^3 cells.
+// Checking, gluing and numbering a mesh: few large blocks around a sphere, and up to 10,648 blocks of 4^3 cells.
 #include "BenchmarkSupport.h"
-#include "SphereCase.h"
+#include "MeshSizes.h"
 
 namespace
 {
@@ -36,7 +36,7 @@ void topologySizes(benchmark::internal::Benchmark* benchmark)
 }
 BENCHMARK(topology)->Apply(topologySizes);
 
-/// 25 x 20 x 20 blocks, shuffled; contacts found from coincident points or declared.
+/// Shuffled blocks; contacts found from coincident points or declared.
 void topologyOfBlocks(benchmark::State& state, bool declared)
 {
   struct Case
@@ -44,19 +44,10 @@ void topologyOfBlocks(benchmark::State& state, bool declared)
     meshcases::MeshCase mesh;
     bsv::BlockMesh blocks;
   };
-  const Case& work = bsvbench::cached<Case>(declared, [&] {
-    const auto cuts = [](int blocks) {
-      std::vector<int> result;
-      for (int n = 1; n < blocks; ++n)
-      {
-        result.push_back(4 * n);
-      }
-      return result;
-    };
+  const bsv::Index points = bsvbench::pointsOf(state);
+  const Case& work = bsvbench::cached<Case>(2 * points + declared, [&] {
     Case made;
-    made.mesh = meshcases::cutBox({ 100, 80, 80 }, { cuts(25), cuts(20), cuts(20) }, [](const bsv::Vec3& x) {
-      return meshcases::wavy(0.03 * x - bsv::Vec3::Constant(1.5));
-    });
+    made.mesh = bsvbench::boxOfBlocks(points, 4);
     meshcases::shuffle(made.mesh, 1);
     if (declared)
     {
@@ -67,11 +58,15 @@ void topologyOfBlocks(benchmark::State& state, bool declared)
   });
   run(state, work.blocks);
 }
+
 void blockSizes(benchmark::internal::Benchmark* benchmark)
 {
-  // 10,000 blocks of 5^3 points
+  // The last has 22^3 = 10,648 blocks.
   benchmark->ArgNames({ "points", "threads" })->UseRealTime()->Unit(benchmark::kMillisecond);
-  benchmark->Args({ 1250000, 1 })->Args({ 1250000, 2 });
+  for (const bsv::Index points : { 10000, 100000, 1331000 })
+  {
+    benchmark->Args({ points, 1 })->Args({ points, 2 });
+  }
 }
 BENCHMARK_CAPTURE(topologyOfBlocks, found, false)->Apply(blockSizes);
 BENCHMARK_CAPTURE(topologyOfBlocks, declared, true)->Apply(blockSizes);

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file SphereCase.h
-/// Six blocks around a sphere, made once for several benchmarks.
+/// @file MeshSizes.h
+/// Meshes of any size for several benchmarks.
 #pragma once
 
 #include "MeshCases.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace bsvbench
 {
 
+/// Six blocks around a sphere, the larger the more points.
 struct SphereCase
 {
   /// About `points` points in all; the faces on the sphere are the boundary "wall".
@@ -46,5 +49,20 @@ private:
     }
   }
 };
+
+/// A curved box of as many blocks of `cells`^3 cells as give about `points` points, the same number in every direction.
+inline meshcases::MeshCase boxOfBlocks(bsv::Index points, int cells)
+{
+  const int blocks = std::max(1, static_cast<int>(std::lround(std::cbrt(double(points)) / (cells + 1))));
+  std::vector<int> cuts;
+  for (int n = 1; n < blocks; ++n)
+  {
+    cuts.push_back(n * cells);
+  }
+  const int size = blocks * cells;
+  return meshcases::cutBox({ size, size, size }, { cuts, cuts, cuts }, [size](const bsv::Vec3& x) {
+    return meshcases::wavy(x * (3.0 / size) - bsv::Vec3::Constant(1.5));
+  });
+}
 
 } // namespace bsvbench
