@@ -98,8 +98,8 @@ Ijk faceSpan(const Ijk& spans, int face, int s, int t)
 double sizeBeyond(const BlockSpans& block, const Ijk& span, int face, const Neighbour& neighbour)
 {
   const int axes[2] = { bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
-  const std::array<int, 2> st = bsv::mapFacePoint(neighbour.orientation, span[axes[0]], span[axes[1]],
-    block.spans[axes[0]] - 1, block.spans[axes[1]] - 1);
+  const std::array<int, 2> st = bsv::mapFacePoint(
+    neighbour.orientation, span[axes[0]], span[axes[1]], block.spans[axes[0]] - 1, block.spans[axes[1]] - 1);
   return neighbour.block->size(
     faceSpan(neighbour.block->spans, neighbour.face, st[0], st[1]), bsv::faceDirection(neighbour.face));
 }
@@ -181,7 +181,8 @@ void addHeights(BlockSpans& block, const std::vector<int>& wallFaces)
 }
 
 /// Points of all witnesses with their arrays.
-void addWitnesses(const bsv::BSplineVolumeBlocks& input, const std::vector<bsv::JacobianReport>& reports, vtkPolyData* data)
+void addWitnesses(
+  const bsv::BSplineVolumeBlocks& input, const std::vector<bsv::JacobianReport>& reports, vtkPolyData* data)
 {
   vtkIdType count = 0;
   for (const bsv::JacobianReport& report : reports)

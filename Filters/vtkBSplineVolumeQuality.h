@@ -23,15 +23,16 @@
  * JacobianBounds.h and SpanShape.h give formulas and sources. For given control points all arrays are the same for any
  * numbering of the blocks, orientation and number of threads, apart from the sign of what a reflection turns over.
  *
- * Field data of the collection: `ValidityNames` (string), `ValidSpans`, `InvalidSpans`, `UndecidedSpans` (vtkIdType, one
- * value per block), `MinimumJacobian`, `MinimumScaledJacobian` (double, one value per block), and `Interfaces`,
+ * Field data of the collection: `ValidityNames` (string), `ValidSpans`, `InvalidSpans`, `UndecidedSpans` (vtkIdType,
+ * one value per block), `MinimumJacobian`, `MinimumScaledJacobian` (double, one value per block), and `Interfaces`,
  * `Boundaries`, `BoundaryNames` of the input.
  *
  * Output 1: a vtkPolyData, one vertex per invalid span (at most a million per block) at a point where det J <= 0. Point
  * arrays: `BlockId` (int), `Span` (int, 3: the cell of output 0), `UVW` (double, 3: parameters of the knots) and
  * `Jacobian` (double), a certified upper bound of det J there.
  *
- * A block that is invalid throughout, det J < 0, is left-handed: a warning names it. An empty input gives empty outputs.
+ * A block that is invalid throughout, det J < 0, is left-handed: a warning names it. An empty input gives empty
+ * outputs.
  */
 #ifndef vtkBSplineVolumeQuality_h
 #define vtkBSplineVolumeQuality_h
@@ -68,8 +69,8 @@ public:
 
   ///@{
   /**
-   * What the last update found, over all blocks. WorstBlock is the number of the block with the smallest MinJacobian, -1
-   * without any; the minima are 0 without any.
+   * What the last update found, over all blocks. WorstBlock is the number of the block with the smallest MinJacobian,
+   * -1 without any; the minima are 0 without any.
    */
   vtkGetMacro(NumberOfSpans, vtkIdType);
   vtkGetMacro(NumberOfValidSpans, vtkIdType);
