@@ -4,6 +4,7 @@
 #include "RowLoop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -91,24 +92,31 @@ BSV_ROW_LOOP void takeLengths(const double* a, const double* b, const double* c,
   }
 }
 
-/// Whether cells so far were all positive or all negative (1 or 0), and their volume.
-///
-/// The longest edge stands for the three at a corner; the factors 2 are for rounding, for the same may be computed in
-/// other ways elsewhere. Coordinates that are not numbers make the sum one that is none, infinite ones the bound.
+/// Whether cells so far were all positive or all negative (1 or 0), and their volume: not a number if a coordinate is
+/// not. The longest edge stands for the three at a corner; it makes the bound infinite if a coordinate is. The factors 2
+/// are for rounding, for the same may be computed in other ways elsewhere.
 BSV_ROW_LOOP void conclude(const double* lowest, const double* highest, const double* sum, const double* shortest,
-  const double* longest, int cells, double zeroLengthSquared, double* __restrict positive, double* __restrict negative,
-  double* __restrict volume)
+  double* __restrict longest, int cells, double zeroLengthSquared, double* __restrict positive,
+  double* __restrict negative, double* __restrict volume)
 {
+  // Loops of one condition each: the compiler would make jumps of several.
+  double* bound = longest;
   for (int i = 0; i < cells; ++i)
   {
-    const double bound = 2.0 * FlatSquared * longest[i] * longest[i] * longest[i];
-    const double least = lowest[i] > 0.0 ? lowest[i] * lowest[i] : -1.0;
-    const double most = highest[i] < 0.0 ? highest[i] * highest[i] : -1.0;
-    const double valid = shortest[i] > 2.0 * zeroLengthSquared ? 1.0 : 0.0;
-    const double number = sum[i] == sum[i] ? valid : 0.0;
-    positive[i] *= least > bound ? number : 0.0;
-    negative[i] *= most > bound ? number : 0.0;
+    const double cube = 2.0 * FlatSquared * longest[i] * longest[i] * longest[i];
+    const double tooShort = shortest[i] > 2.0 * zeroLengthSquared ? 0.0 : HUGE_VAL;
+    bound[i] = cube + tooShort;
+  }
+  for (int i = 0; i < cells; ++i)
+  {
+    positive[i] = lowest[i] > 0.0 ? positive[i] : 0.0;
+    negative[i] = highest[i] < 0.0 ? negative[i] : 0.0;
     volume[i] += sum[i];
+  }
+  for (int i = 0; i < cells; ++i)
+  {
+    positive[i] = lowest[i] * lowest[i] > bound[i] ? positive[i] : 0.0;
+    negative[i] = highest[i] * highest[i] > bound[i] ? negative[i] : 0.0;
   }
 }
 ///@}
@@ -179,11 +187,12 @@ PlainCells check(const GridView& points, int begin, int end, double zeroLengthSq
   const auto all = [&](const std::vector<double>& flags) {
     return std::all_of(flags.begin(), flags.begin() + cells, [](double flag) { return flag == 1.0; });
   };
-  result.sign = all(positive) ? 1 : all(negative) ? -1 : 0;
   for (int i = 0; i < cells; ++i)
   {
     result.volume += volume[i];
   }
+  const bool isNumber = result.volume == result.volume;
+  result.sign = !isNumber ? 0 : all(positive) ? 1 : all(negative) ? -1 : 0;
   return result;
 }
 
