@@ -56,7 +56,7 @@ BSV_ROW_LOOP void subtract(const double* b, const double* a, int count, std::ptr
 /// @name Per cell of a row: over its corners and edges
 /// Minima and maxima are conditional expressions in place, which the compiler turns into vector instructions.
 ///@{
-/// Jacobians (a x b) . c of the two corners at the ends of the edge a along i: b and c at i, and at i + 1. Rows of `size`.
+/// Jacobians (a x b) . c of the two corners at the ends of the edge a along i: b and c are taken at i, then at i + 1.
 BSV_ROW_LOOP void takeCorners(const double* a, const double* b, const double* c, int cells, std::ptrdiff_t size,
   double* __restrict lowest, double* __restrict highest, double* __restrict sum)
 {
