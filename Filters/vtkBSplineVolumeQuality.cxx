@@ -7,6 +7,7 @@
 #include "JacobianBounds.h"
 #include "Sampling.h"
 #include "SpanShape.h"
+#include "VolumeInterfaces.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -371,8 +372,29 @@ int vtkBSplineVolumeQuality::RequestData(
       }
     }
 
-    const bsv::Execution run = bsv::filterExecution(this, 0.9, 1.0);
-    const std::vector<std::array<Neighbour, 6>> around = neighbours(input.interfaces, blocks);
+    std::vector<bsv::Interface> interfaces = input.interfaces;
+    if (!input.hasInterfaces)
+    {
+      bsv::VolumeInterfaceOptions search;
+      search.boundaries = input.boundaries;
+      search.blockName = [&input](int block) { return input.label(block); };
+      try
+      {
+        interfaces = bsv::findVolumeInterfaces(input.volumes, search, bsv::filterExecution(this, 0.9, 0.95));
+      }
+      catch (const bsv::Aborted&)
+      {
+        throw;
+      }
+      catch (const bsv::Error& error)
+      {
+        // Everything but GrowthRatio does without them.
+        vtkWarningMacro(<< "No interfaces are found: " << error.what());
+      }
+    }
+
+    const bsv::Execution run = bsv::filterExecution(this, 0.95, 1.0);
+    const std::vector<std::array<Neighbour, 6>> around = neighbours(interfaces, blocks);
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     for (std::size_t b = 0; b < count; ++b)
     {
@@ -382,7 +404,7 @@ int vtkBSplineVolumeQuality::RequestData(
       grids.push_back(blocks[b].grid);
     }
     bsv::setBlocks(output, grids, input.names, "Quality");
-    bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames);
+    bsv::setWholeFaceContacts(output, interfaces, input.boundaries, input.boundaryNames);
     vtkNew<vtkStringArray> names;
     names->SetName("ValidityNames");
     for (const std::string& name : bsv::validityNames())

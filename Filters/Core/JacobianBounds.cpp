@@ -30,7 +30,7 @@
 //        E = perm(U + r) - perm(U) + gamma(m + 80) perm(U + r).
 // 5. An underflow is an error of 2^-1075, multiplied by at most three factors P_c and by 2^40 from binomials and
 //    numbers of terms. The largest P_c are brought into 2^-60..2^60: less than 2^-800 in all.
-// 6. If some P_c is zero, c not being w, D is zero exactly.
+// 6. If all points have the same x, y or z, D is computed as zero exactly, and is.
 // 7. Halving takes n = degree of D means one after the other, each with one rounding of a number below 1.1 perm(U + r).
 
 namespace bsv
@@ -484,10 +484,12 @@ private:
   struct Lane
   {
     Orientation orientation;
-    /// Components of the control points as they enter, times 2^exponent (of w: 2^weightExponent), and their largest
-    /// magnitudes. Rational: the first one is w.
-    int exponent;
+    /// P_c of the derivation above, w first if the span is rational, and the exponent of the power of two by which
+    /// points are divided.
     std::array<double, 4> extent;
+    int exponent;
+    /// All points have the same x, y or z.
+    bool flat;
     bool overflow;
   };
 
@@ -560,6 +562,7 @@ private:
         }
       }
     }
+    lane.flat = extent.minCoeff() == 0.0;
     lane.exponent = exponentOf(extent.maxCoeff());
     const int weightExponent = exponentOf(largestWeight);
     if (lane.exponent != 0)
@@ -634,9 +637,7 @@ private:
     }
     const double size = components == 4 ? permanent<4>(exact) : permanent<3>(exact);
     const double change = size - (components == 4 ? permanent<4>(computed) : permanent<3>(computed));
-    const bool flat = std::any_of(
-      lane.extent.begin() + (components - 3), lane.extent.begin() + components, [](double x) { return x == 0.0; });
-    const double error = flat ? 0.0 : change + this->ProductError * size + Tiny;
+    const double error = lane.flat ? 0.0 : change + this->ProductError * size + Tiny;
 
     Verdict verdict;
     verdict.lower = this->Batch.lowest[l] - error;
@@ -802,6 +803,7 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
   for (Index start = 0; start < total; start += piece)
   {
     run.report(static_cast<double>(start) / static_cast<double>(total));
+    const std::ptrdiff_t kept = static_cast<std::ptrdiff_t>(report.witnesses.size());
     run.parallelFor(std::min(piece, total - start), 512, [&](Index begin, Index end) {
       Chunk chunk{ volume, directions, options, arrays, {} };
       ChunkWorker worker(chunk);
@@ -820,8 +822,7 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
         report.lowestSpan = part.lowestSpan;
       }
     });
-    // All pieces before this one are complete.
-    std::sort(report.witnesses.begin(), report.witnesses.end(),
+    std::sort(report.witnesses.begin() + kept, report.witnesses.end(),
       [](const JacobianWitness& a, const JacobianWitness& b) { return a.span < b.span; });
     if (static_cast<Index>(report.witnesses.size()) > options.maxWitnesses)
     {

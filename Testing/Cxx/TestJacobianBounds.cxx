@@ -764,6 +764,13 @@ TEST(JacobianBounds, DegenerateSpansAreNeverValid)
   forEach({ 3, 1, 3 }, [&](const Ijk& i) { EXPECT_NE(face.at(i[0] + 9 * i[2]), Validity::Valid); });
   EXPECT_EQ(changed([&](const Ijk&, Block&, double* x) { copyOf(x, { 0, 0, 0 }); }).report.invalid, 27);
   EXPECT_EQ(changed([&](const Ijk&, Block&, double* x) { x[1] = 0.75; }).report.invalid, 27);
+  // Only numbers that underflow make it flat: that is no proof.
+  const Measured thin = changed([&](const Ijk&, Block&, double* x) {
+    x[0] = std::ldexp(x[0], 200);
+    x[1] = std::ldexp(x[1], 200);
+    x[2] = std::ldexp(x[2], -1000);
+  });
+  EXPECT_EQ(thin.report.invalid, 0);
 }
 
 TEST(JacobianBounds, DepthOnlyDecidesMore)
@@ -784,6 +791,23 @@ TEST(JacobianBounds, DepthOnlyDecidesMore)
     }
   }
   EXPECT_EQ(before, 0);
+}
+
+TEST(JacobianBounds, KeepsTheFirstWitnesses)
+{
+  std::mt19937 random(16);
+  const Block block = cubicBlock(random, { 12, 12, 12 }, 0.6);
+  const Measured all = measure(block);
+  ASSERT_GT(all.report.invalid, 20);
+  JacobianOptions options;
+  options.maxWitnesses = 10;
+  const JacobianReport some = jacobianBounds(block.view(), "block", options, {}, scrambledExecution());
+  EXPECT_EQ(some.invalid, all.report.invalid);
+  ASSERT_EQ(some.witnesses.size(), 10U);
+  for (std::size_t w = 0; w < some.witnesses.size(); ++w)
+  {
+    EXPECT_EQ(some.witnesses[w].span, all.report.witnesses[w].span);
+  }
 }
 
 TEST(JacobianBounds, RefusesWhatItCannotMeasure)
