@@ -105,7 +105,7 @@ Case& cached(Index key, const Make& make)
   return *last;
 }
 
-/// Wall time, or processor time of the process: of what one thread computes, the same but for what else the machine does.
+/// Wall time, or processor time of the process, which other processes on the machine change little.
 enum class Clock
 {
   Wall,

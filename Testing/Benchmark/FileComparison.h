@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file FileComparison.h
-/// For the benchmarks of readers and writers: a folder for their files, and the time that plain reading and writing take.
+/// For the benchmarks of readers and writers: a folder for their files, and how long plain reading and writing take.
 #pragma once
 
 #include "BenchmarkSupport.h"
