@@ -5,7 +5,8 @@
 
 The mesh is 4 x 4 x 4 cubic blocks of a curved box with declared contacts and boundaries, in double precision by
 default. Prints one line of JSON: points, seconds of the filter and of a copy of all points in double precision, and the
-peak memory beyond input and output by the size of the input. Set VTK_SMP_BACKEND_IN_USE and VTK_SMP_MAX_THREADS for threads.
+peak memory beyond input and output by the size of the input. Set VTK_SMP_BACKEND_IN_USE and VTK_SMP_MAX_THREADS for
+threads.
 """
 import ctypes
 import json
