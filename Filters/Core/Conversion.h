@@ -127,10 +127,13 @@ struct ControlNetStorage
   std::uint8_t* rules = nullptr;
 };
 
+/// Control points per ControlPointRule.
+using RuleCounts = std::array<Index, static_cast<std::size_t>(ControlPointRule::Count)>;
+
 struct ConversionReport
 {
-  /// Control points per ControlPointRule, counted once per block that holds them.
-  std::array<Index, static_cast<std::size_t>(ControlPointRule::Count)> controlPoints{};
+  /// Counted once per block that holds them.
+  RuleCounts controlPoints{};
   Index singularNodes = 0;
   Index planarFaces = 0;
   /// Distances of the first inserted layer per side with a far-field extension (PerVertex: their mean).

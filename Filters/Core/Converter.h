@@ -66,11 +66,13 @@ private:
 
   /// @name Control points owned by the interior of a block, face, edge, and by a vertex
   ///@{
-  void convertBlock(int block, int slab);
+  /// One layer of a block's interior. If `stream`, the memory is in order only after endStream().
+  void convertBlock(int block, int slab, bool stream);
   void convertFace(int face);
   void convertEdge(int edge);
   void convertVertex(int vertex);
   ///@}
+  RuleCounts countRules(int block) const;
 
   /// @name Layers of quadrilaterals across an edge
   ///@{

@@ -21,11 +21,14 @@ void forAllPoints(const BlockComplex& complex, int face, const Body& body)
   const FaceUse& use = complex.faces[face].uses.front();
   const ComplexBlock& block = complex.blocks[use.block];
   const Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
+  const Index start = block.points.offset(facePoint(cells, use.face, 0, 0));
+  const Index alongS = block.points.offset(facePoint(cells, use.face, 1, 0)) - start;
+  const Index alongT = block.points.offset(facePoint(cells, use.face, 0, 1)) - start;
   for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
   {
     for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
     {
-      body(block.points(facePoint(cells, use.face, s, t)));
+      body(block.points.atOffset(start + s * alongS + t * alongT));
     }
   }
 }

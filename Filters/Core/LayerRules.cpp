@@ -368,6 +368,10 @@ Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight
 
   // Wall spacing stretches the offsets a_i, and the twist with them; the knot-insertion weight leaves all as it is.
   constexpr double Regular = 2.0 / 3.0;
+  if (std::all_of(nearWeight.begin(), nearWeight.end(), [](double weight) { return weight == Regular; }))
+  {
+    return result;
+  }
   const double cosine = regularFan(fan.closed, fan.sectorCount()).cosine;
   const double blend = (6.0 + 2.0 * cosine) / (3.0 * (2.0 + 2.0 * cosine));
   const std::vector<Vec3> spokes = result.spokes;

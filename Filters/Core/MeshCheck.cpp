@@ -2,6 +2,7 @@
 #include "MeshCheck.h"
 
 #include "BlockSurface.h"
+#include "PlainCells.h"
 
 #include <Eigen/Geometry>
 
@@ -15,9 +16,6 @@ namespace bsv
 
 namespace
 {
-
-/// Squared relative size below which a corner's area or volume is zero.
-constexpr double FlatSquared = 1e-24;
 
 /// Layers [begin, end) of cells of one block.
 struct Slab
@@ -76,6 +74,16 @@ public:
   {
     Finding found;
     const Ijk& n = this->Points.counts();
+    // Nearly all cells of nearly all meshes are plain; what follows would find the same of them.
+    const PlainCells plain = plainCells(this->Points, slab.begin, slab.end, this->ZeroLengthSquared);
+    if (plain.sign != 0)
+    {
+      const CellSign sign = plain.sign > 0 ? Positive : Negative;
+      found.volume = plain.volume;
+      found.cells[sign] = Index(n[0] - 1) * (n[1] - 1) * (slab.end - slab.begin);
+      found.firstCell[sign] = { 0, 0, slab.begin };
+      return found;
+    }
     for (int k = slab.begin; k <= slab.end; ++k)
     {
       for (int j = 0; j < n[1]; ++j)

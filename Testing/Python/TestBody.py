@@ -454,9 +454,8 @@ def smooth_border_jump(volume):
     smoothness = simple.BSplineVolumeSmoothness(Input=volume)
     smoothness.UpdatePipeline()
     table = smoothness.GetClientSideObject().GetOutputDataObject(2)
-    kind, continuity, jump = (table.GetColumnByName(name) for name in ("Kind", "Continuity", "MaximumNormalJump"))
-    return max(jump.GetValue(row) for row in range(table.GetNumberOfRows())
-               if kind.GetValue(row) == "wall border" and continuity.GetValue(row) != "crease")
+    kind, jump = table.GetColumnByName("Kind"), table.GetColumnByName("MaximumNormalJump")
+    return max(jump.GetValue(row) for row in range(table.GetNumberOfRows()) if kind.GetValue(row) == "wall border")
 
 
 def away_from_creases(volume, wall, reach=3):

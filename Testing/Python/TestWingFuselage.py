@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Wing Fuselage Source through ParaView: the menu's proxy, conversion with its body, writers and readers."""
 import collections
+import math
 import os
 import tempfile
+
+from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 
 from bsv_support import (blocks, client, collection, coordinates, dimensions, failure, field, main, messages, names,
                          producer, simple, update, values, vtk)
@@ -81,6 +84,54 @@ def test_quadflow():
         again, _ = update(simple.QuadflowReader(FileName=path))
         for a, b in zip(blocks(data), blocks(again)):
             assert bytes(memoryview(coordinates(a))) == bytes(memoryview(coordinates(b)))
+
+
+def test_convergence():
+    """Distance to the body and normal jump at the smooth borders of the wall, with the resolution. Points of the mesh lie on
+    the body but next to corners of the patches where creases meet, which decide the largest distance."""
+    print("| resolution | largest distance | rate | RMS | rate | largest normal jump, degrees | rate |")
+    print("|---|---|---|---|---|---|---|")
+    rows = []
+    for resolution in (6, 12, 24):
+        proxy = source(Resolution=resolution)
+        volume = simple.CatmullClarkToBSplineVolume(Input=proxy, Body=body_of(proxy))
+        deviation = simple.BodyDeviation(Input=volume, Body=body_of(proxy))
+        deviation.UpdatePipeline()
+        deviation.UpdatePropertyInformation()
+        smoothness = simple.BSplineVolumeSmoothness(Input=volume)
+        smoothness.UpdatePipeline()
+        smoothness.UpdatePropertyInformation()
+        assert smoothness.MaximumGap == 0
+        table = client(smoothness).GetOutputDataObject(2)
+        kind, a, b, jump = (table.GetColumnByName(n) for n in ("Kind", "NameA", "NameB", "MaximumNormalJump"))
+        # The rim of the tip is smooth at the leading edge, and sharp from there on: half a crease.
+        rim = {("upper_0", "tip_0"), ("lower_0", "tip_0")}
+        border = max(jump.GetValue(row) for row in range(table.GetNumberOfRows())
+                     if kind.GetValue(row) == "wall border" and (a.GetValue(row), b.GetValue(row)) not in rim)
+        rows.append((deviation.MaximumDistance, deviation.RMSDistance, border))
+        rates = [math.log2(a / b) for a, b in zip(rows[-2], rows[-1])] if len(rows) > 1 else [float("nan")] * 3
+        print("| %d | %.3g | %.2f | %.3g | %.2f | %.3g | %.2f |" % (
+            (resolution,) + tuple(x for pair in zip(rows[-1], rates) for x in pair)), flush=True)
+    # At least second order in the distance, first order in the normal.
+    assert rows[2][0] < rows[0][0] / 12 and rows[2][1] < rows[0][1] / 12 and rows[2][2] < rows[0][2] / 1.5, rows
+
+
+def test_samples_are_valid():
+    """Sampled cells of all levels have a positive scaled Jacobian."""
+    proxy = source(Resolution=3)
+    volume = simple.CatmullClarkToBSplineVolume(Input=proxy, Body=body_of(proxy))
+    worst = []
+    for level in range(4):
+        data, _ = update(simple.BSplineVolumeSampler(Input=volume, Level=level))
+        worst.append(1.0)
+        for block in blocks(data):
+            quality = vtkMeshQuality()
+            quality.SetInputData(block)
+            quality.SetHexQualityMeasureToScaledJacobian()
+            quality.Update()
+            worst[-1] = min(worst[-1], quality.GetOutput().GetCellData().GetArray("Quality").GetRange()[0])
+    print("smallest scaled Jacobian of the samples, levels 0 to 3: " + ", ".join("%.3g" % w for w in worst))
+    assert min(worst) > 0, worst
 
 
 def patches(data):
