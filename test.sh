@@ -5,6 +5,6 @@ set -eu
 
 root=$(cd "$(dirname "$0")" && pwd)
 "$root/CMake/install-packages.sh"
-cmake -S "$root" -B "$root/build" -G Ninja -DBUILD_TESTING=ON
+cmake -S "$root" -B "$root/build" -G Ninja -DBUILD_TESTING=ON -DBSPLINEVOLUME_BUILD_BENCHMARKS=ON
 cmake --build "$root/build"
 exec ctest --test-dir "$root/build" --output-on-failure --parallel "$(nproc)" "$@"

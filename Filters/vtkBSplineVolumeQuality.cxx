@@ -7,6 +7,7 @@
 #include "JacobianBounds.h"
 #include "Sampling.h"
 #include "SpanShape.h"
+#include "VolumeInterfaces.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -98,8 +99,8 @@ Ijk faceSpan(const Ijk& spans, int face, int s, int t)
 double sizeBeyond(const BlockSpans& block, const Ijk& span, int face, const Neighbour& neighbour)
 {
   const int axes[2] = { bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
-  const std::array<int, 2> st = bsv::mapFacePoint(neighbour.orientation, span[axes[0]], span[axes[1]],
-    block.spans[axes[0]] - 1, block.spans[axes[1]] - 1);
+  const std::array<int, 2> st = bsv::mapFacePoint(
+    neighbour.orientation, span[axes[0]], span[axes[1]], block.spans[axes[0]] - 1, block.spans[axes[1]] - 1);
   return neighbour.block->size(
     faceSpan(neighbour.block->spans, neighbour.face, st[0], st[1]), bsv::faceDirection(neighbour.face));
 }
@@ -181,7 +182,8 @@ void addHeights(BlockSpans& block, const std::vector<int>& wallFaces)
 }
 
 /// Points of all witnesses with their arrays.
-void addWitnesses(const bsv::BSplineVolumeBlocks& input, const std::vector<bsv::JacobianReport>& reports, vtkPolyData* data)
+void addWitnesses(
+  const bsv::BSplineVolumeBlocks& input, const std::vector<bsv::JacobianReport>& reports, vtkPolyData* data)
 {
   vtkIdType count = 0;
   for (const bsv::JacobianReport& report : reports)
@@ -370,8 +372,29 @@ int vtkBSplineVolumeQuality::RequestData(
       }
     }
 
-    const bsv::Execution run = bsv::filterExecution(this, 0.9, 1.0);
-    const std::vector<std::array<Neighbour, 6>> around = neighbours(input.interfaces, blocks);
+    std::vector<bsv::Interface> interfaces = input.interfaces;
+    if (!input.hasInterfaces)
+    {
+      bsv::VolumeInterfaceOptions search;
+      search.boundaries = input.boundaries;
+      search.blockName = [&input](int block) { return input.label(block); };
+      try
+      {
+        interfaces = bsv::findVolumeInterfaces(input.volumes, search, bsv::filterExecution(this, 0.9, 0.95));
+      }
+      catch (const bsv::Aborted&)
+      {
+        throw;
+      }
+      catch (const bsv::Error& error)
+      {
+        // Everything but GrowthRatio does without them.
+        vtkWarningMacro(<< "No interfaces are found: " << error.what());
+      }
+    }
+
+    const bsv::Execution run = bsv::filterExecution(this, 0.95, 1.0);
+    const std::vector<std::array<Neighbour, 6>> around = neighbours(interfaces, blocks);
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     for (std::size_t b = 0; b < count; ++b)
     {
@@ -381,7 +404,7 @@ int vtkBSplineVolumeQuality::RequestData(
       grids.push_back(blocks[b].grid);
     }
     bsv::setBlocks(output, grids, input.names, "Quality");
-    bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames);
+    bsv::setWholeFaceContacts(output, interfaces, input.boundaries, input.boundaryNames);
     vtkNew<vtkStringArray> names;
     names->SetName("ValidityNames");
     for (const std::string& name : bsv::validityNames())

@@ -15,23 +15,25 @@
  * - `Skewness` (double): equiangle skew there, 0 to 1, best 0;
  * - `AspectRatio` (double): longest through shortest of the span's three sizes, best 1; 0 if a size is 0;
  * - `GrowthRatio` (double, 3 components u, v, w): size of the span in that direction against its two neighbours there,
- *   larger through smaller, the worse of both; inside the block and across its `Interfaces` if both faces have the same
- *   spans. 1 without neighbours, 0 if a size is 0;
+ *   larger through smaller, the worse of both; inside the block and across interfaces whose two faces have the same
+ *   spans. Interfaces are those of the field data, or are found by the shape of the faces if there are none. 1 without
+ *   neighbours, 0 if a size is 0;
  * - `FirstCellHeight` (double): thickness of spans on a wall, normal to it, in length units: the wall distance of the
  *   first sampled point. Walls are the block faces whose boundary names fit BodyBoundaries; 0 elsewhere.
  *
  * JacobianBounds.h and SpanShape.h give formulas and sources. For given control points all arrays are the same for any
  * numbering of the blocks, orientation and number of threads, apart from the sign of what a reflection turns over.
  *
- * Field data of the collection: `ValidityNames` (string), `ValidSpans`, `InvalidSpans`, `UndecidedSpans` (vtkIdType, one
- * value per block), `MinimumJacobian`, `MinimumScaledJacobian` (double, one value per block), and `Interfaces`,
- * `Boundaries`, `BoundaryNames` of the input.
+ * Field data of the collection: `ValidityNames` (string), `ValidSpans`, `InvalidSpans`, `UndecidedSpans` (vtkIdType,
+ * one value per block), `MinimumJacobian`, `MinimumScaledJacobian` (double, one value per block), the
+ * `Interfaces`, and `Boundaries` and `BoundaryNames` of the input.
  *
  * Output 1: a vtkPolyData, one vertex per invalid span (at most a million per block) at a point where det J <= 0. Point
  * arrays: `BlockId` (int), `Span` (int, 3: the cell of output 0), `UVW` (double, 3: parameters of the knots) and
  * `Jacobian` (double), a certified upper bound of det J there.
  *
- * A block that is invalid throughout, det J < 0, is left-handed: a warning names it. An empty input gives empty outputs.
+ * A block that is invalid throughout, det J < 0, is left-handed: a warning names it. An empty input gives empty
+ * outputs.
  */
 #ifndef vtkBSplineVolumeQuality_h
 #define vtkBSplineVolumeQuality_h
@@ -68,8 +70,8 @@ public:
 
   ///@{
   /**
-   * What the last update found, over all blocks. WorstBlock is the number of the block with the smallest MinJacobian, -1
-   * without any; the minima are 0 without any.
+   * What the last update found, over all blocks. WorstBlock is the number of the block with the smallest MinJacobian,
+   * -1 without any; the minima are 0 without any.
    */
   vtkGetMacro(NumberOfSpans, vtkIdType);
   vtkGetMacro(NumberOfValidSpans, vtkIdType);

@@ -48,6 +48,8 @@
  *    pierces, the largest around it; of the wall); cell arrays `Kind` (int: 0 extraordinary curve, 1 wall border, 2
  *    crease), `Valence`, `Continuity` (-1 for extraordinary curves), `BlockA`, `BlockB` (-1 for extraordinary curves).
  *
+ * Active scalars, by which ParaView colours first: `LayerJump`, of the curves `NormalJump`.
+ *
  * An empty input gives empty outputs. An error names block and face, and leaves all outputs empty.
  */
 #ifndef vtkBSplineVolumeSmoothness_h

@@ -27,6 +27,7 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <sstream>
 
@@ -227,6 +228,25 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
     text << "no body\n";
   }
 
+  if (body && counts.wallSpacing[0] != counts.wallSpacing[1])
+  {
+    text << "wall spacing c from " << counts.wallSpacing[0] << " to " << counts.wallSpacing[1] << '\n';
+  }
+  if (!counts.extensionDistances.empty())
+  {
+    text << "planar sides with a far-field extension: " << counts.extensionDistances.size()
+         << ", its first layer at the distance";
+    for (const double distance : counts.extensionDistances)
+    {
+      text << ' ' << distance;
+    }
+    if (counts.limitedDistances > 0)
+    {
+      text << "; cut to 2/3 of a thinner first cell at " << counts.limitedDistances << " points";
+    }
+    text << '\n';
+  }
+
   for (std::size_t rule = 0; rule < counts.controlPoints.size(); ++rule)
   {
     if (counts.controlPoints[rule] > 0)
@@ -318,6 +338,40 @@ const char* vtkCatmullClarkToBSplineVolume::GetSymmetryBoundary(int index) const
 }
 
 //------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::AddBoundaryWallSpacing(const char* pattern, double spacing)
+{
+  if (pattern && *pattern)
+  {
+    this->BoundaryWallSpacings.emplace_back(pattern, spacing);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::ClearBoundaryWallSpacings()
+{
+  this->BoundaryWallSpacings.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::AddExtensionBlock(const char* pattern)
+{
+  if (pattern && *pattern)
+  {
+    this->ExtensionBlocks.emplace_back(pattern);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkCatmullClarkToBSplineVolume::ClearExtensionBlocks()
+{
+  this->ExtensionBlocks.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
 void vtkCatmullClarkToBSplineVolume::AddBodyFace(int block, int face)
 {
   this->BodyFaces.push_back({ block, face });
@@ -380,14 +434,26 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
 
     bsv::ConversionOptions options;
     std::vector<vtkSmartPointer<vtkDoubleArray>> surfaceData;
-    const auto surfaceArray = [&](std::size_t b, const char* name) -> const double* {
-      surfaceData.push_back(bsv::doublePointArray(meshGrids[b], name, 3, mesh.blocks[b].name));
+    const auto surfaceArray = [&](std::size_t b, const char* name, int components) -> const double* {
+      surfaceData.push_back(bsv::doublePointArray(meshGrids[b], name, components, mesh.blocks[b].name));
       return surfaceData.back() ? surfaceData.back()->GetPointer(0) : nullptr;
     };
     for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
     {
-      options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint"));
-      options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal"));
+      options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint", 3));
+      options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal", 3));
+      options.wallSpacingPoints.push_back(
+        this->WallSpacingArray.empty() ? nullptr : surfaceArray(b, this->WallSpacingArray.c_str(), 1));
+      if (!this->ExtensionBlocks.empty())
+      {
+        options.extensionBlocks.push_back(bsv::matchesAny(this->ExtensionBlocks, mesh.blocks[b].name));
+      }
+    }
+    if (!this->ExtensionBlocks.empty() &&
+      std::find(options.extensionBlocks.begin(), options.extensionBlocks.end(), true) == options.extensionBlocks.end())
+    {
+      throw bsv::Error("Extension Blocks are " + bsv::quotedList(this->ExtensionBlocks) +
+        ", but no block of the mesh has such a name; the first one is '" + mesh.blocks[0].name + "'");
     }
 
     // The complex.
@@ -407,10 +473,19 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
           : bsv::matchesAny(this->SymmetryBoundaries, name) ? bsv::BoundaryRole::Symmetry
                                                             : bsv::BoundaryRole::Other);
     }
+    for (const std::string& name : complex.boundaryNames)
+    {
+      const auto found = std::find_if(this->BoundaryWallSpacings.begin(), this->BoundaryWallSpacings.end(),
+        [&](const auto& entry) { return bsv::matchesAny({ entry.first }, name); });
+      options.boundaryWallSpacing.push_back(
+        found == this->BoundaryWallSpacings.end() ? std::numeric_limits<double>::quiet_NaN() : found->second);
+    }
     options.planarSides = static_cast<bsv::PlanarSides>(this->PlanarSides);
     options.planarTolerance = this->PlanarTolerance;
     options.twist = static_cast<bsv::Twist>(this->Twist);
     options.wallSpacing = this->WallSpacing;
+    options.automaticWallSpacing = this->WallSpacingMode == GROWTH;
+    options.farFieldSpacing = static_cast<bsv::FarFieldSpacing>(this->FarFieldSpacing);
     options.propagationRange = this->PropagationRange;
 
     // The body.
@@ -495,6 +570,16 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "PlanarTolerance: " << this->PlanarTolerance << '\n';
   os << indent << "Twist: " << this->Twist << '\n';
   os << indent << "WallSpacing: " << this->WallSpacing << '\n';
+  os << indent << "WallSpacingMode: " << this->WallSpacingMode << '\n';
+  os << indent << "BoundaryWallSpacings:";
+  for (const auto& [pattern, spacing] : this->BoundaryWallSpacings)
+  {
+    os << ' ' << pattern << '=' << spacing;
+  }
+  os << '\n';
+  os << indent << "WallSpacingArray: " << this->WallSpacingArray << '\n';
+  os << indent << "FarFieldSpacing: " << this->FarFieldSpacing << '\n';
+  list("ExtensionBlocks", this->ExtensionBlocks);
   os << indent << "PropagationRange: " << this->PropagationRange << '\n';
   os << indent << "InputPoints: " << this->InputPoints << '\n';
   os << indent << "FitTolerance: " << this->FitTolerance << '\n';

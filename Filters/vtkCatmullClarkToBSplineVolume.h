@@ -12,7 +12,8 @@
  * block. Optional field data of the root: `Interfaces`, `Boundaries`, `BoundaryNames`, `CreaseEdges`
  * (HexBlockData.h); what is not there is found from coincident points. Optional point arrays of a block:
  * `CreaseSharpness` (0 or >= 10), `ProjectedPoint` (3) and `SurfaceNormal` (3, unit length): foot point and normal on
- * the true body, used at extraordinary body vertices; NaN marks points without a value.
+ * the true body, used at extraordinary body vertices; WallSpacingArray: c at the points of the wall. NaN marks points
+ * without a value.
  *
  * Input port 1 (`Body`, optional): NURBS surfaces (NURBSSurfaceData.h), such as vtkNURBSSurfaceReader gives, in the
  * length unit of the mesh. Extraordinary body vertices are projected to it, and with InputPoints OnBody the whole wall
@@ -26,7 +27,7 @@
  *   piece starts);
  * - point data `ControlPointRule` (unsigned char), how the control point was made: 0 copied, 1 regular, 2 boundary,
  *   3 symmetry plane, 4 planar side, 5 body, 6 extraordinary vertex of the body, 7 crease, 8 corner, 9 extraordinary
- *   edge, 10 singular node, 11 wall layer.
+ *   edge, 10 singular node, 11 wall layer, 12 first layer of the far-field extension.
  *
  * Field data of the collection: `ControlPointRuleNames` (string), and `Interfaces`, `Boundaries`, `BoundaryNames` of
  * the blocks of the output.
@@ -47,6 +48,7 @@
 
 #include <array>  // For the selected faces
 #include <string> // For names
+#include <utility> // For names with values
 #include <vector> // For names and faces
 
 class vtkDataArray;
@@ -71,6 +73,19 @@ public:
     FAR_FIELD = 0,
     ALL = 1,
     NONE = 2
+  };
+
+  enum WallSpacingModeType
+  {
+    CONSTANT = 0,
+    GROWTH = 1
+  };
+
+  enum FarFieldSpacingType
+  {
+    OFF = 0,
+    SIDE_AVERAGE = 1,
+    PER_VERTEX = 2
   };
 
   enum TwistType
@@ -171,8 +186,8 @@ public:
   /**
    * Planar sides that keep their mesh points: those of the far field (default), that is planar sides of the outer
    * boundary that are neither body nor symmetry plane, where a side ends at sharp edges, has the whole mesh behind it
-   * and borders on planar sides only; every planar block side but the body's, where inner joins are then C0 only; or
-   * none.
+   * and borders on planar sides only, and the sides to which a far-field extension is attached; every planar block side
+   * but the body's, where inner joins are then C0 only; or none.
    */
   vtkSetClampMacro(PlanarSides, int, FAR_FIELD, NONE);
   vtkGetMacro(PlanarSides, int);
@@ -205,6 +220,57 @@ public:
    */
   vtkSetMacro(WallSpacing, double);
   vtkGetMacro(WallSpacing, double);
+  ///@}
+
+  ///@{
+  /**
+   * CONSTANT (default): WallSpacing everywhere. GROWTH (`Automatic`): the matching value of each wall vertex, g being
+   * |p_2 - p_1| / |p_1 - p_0| on the mesh line that rises there.
+   */
+  vtkSetClampMacro(WallSpacingMode, int, CONSTANT, GROWTH);
+  vtkGetMacro(WallSpacingMode, int);
+  ///@}
+
+  ///@{
+  /**
+   * c of single boundaries of the body, by patterns of their names as in BodyBoundaries; the first that fits counts. It
+   * has precedence over WallSpacingMode. Where boundaries with different values meet, a vertex has their mean. Default:
+   * none.
+   */
+  void AddBoundaryWallSpacing(const char* pattern, double spacing);
+  void ClearBoundaryWallSpacings();
+  int GetNumberOfBoundaryWallSpacings() const { return static_cast<int>(this->BoundaryWallSpacings.size()); }
+  ///@}
+
+  ///@{
+  /**
+   * Point array (1 component) of the input with c at the points of the wall, such as vtkWallSpacing gives; NaN where
+   * there is no value. It has precedence over all others. Blocks without the array are no error. Default: WallSpacing.
+   */
+  vtkSetStdStringFromCharMacro(WallSpacingArray);
+  vtkGetCharFromStdStringMacro(WallSpacingArray);
+  ///@}
+
+  ///@{
+  /**
+   * Where the first inserted layer of a far-field extension lies: at a third of its first cell (OFF); at the distance
+   * between the last two layers of control points before it, averaged over the side of the cuboid (SIDE_AVERAGE,
+   * default), or vertex by vertex (PER_VERTEX, C1 where mesh lines go straight through). Sides are planar; blocks that
+   * touch the cuboid by an edge or a corner take the distances of its sides. No effect with PlanarSides NONE.
+   */
+  vtkSetClampMacro(FarFieldSpacing, int, OFF, PER_VERTEX);
+  vtkGetMacro(FarFieldSpacing, int);
+  ///@}
+
+  ///@{
+  /**
+   * Names of input blocks that extend the far field, as patterns like BodyBoundaries: those attached face to face are
+   * enough. Default: none, that is, they are recognised: the layer of blocks beyond planes that bound a cuboid around
+   * the body (Core/FarField.h).
+   */
+  void AddExtensionBlock(const char* pattern);
+  void ClearExtensionBlocks();
+  int GetNumberOfExtensionBlocks() const { return static_cast<int>(this->ExtensionBlocks.size()); }
   ///@}
 
   ///@{
@@ -282,6 +348,11 @@ private:
   double PlanarTolerance = 1e-6;
   int Twist = SECOND_FUNDAMENTAL_FORM;
   double WallSpacing = 2.0 / 3.0;
+  int WallSpacingMode = CONSTANT;
+  std::vector<std::pair<std::string, double>> BoundaryWallSpacings;
+  std::string WallSpacingArray = "WallSpacing";
+  int FarFieldSpacing = SIDE_AVERAGE;
+  bsv::BoundaryPatterns ExtensionBlocks;
   double PropagationRange = 8.0;
   double MatchTolerance = 0.05;
   bool AllowDegenerate = false;

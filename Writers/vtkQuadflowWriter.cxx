@@ -69,6 +69,7 @@ void vtkQuadflowWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "IndexBase: " << this->IndexBase << "\n";
   os << indent << "KnotScaling: " << (this->KnotScaling == UNIT_KNOTS ? "Unit" : "Integer") << "\n";
   os << indent << "SeparateGeometry: " << (this->SeparateGeometry ? "On" : "Off") << "\n";
+  os << indent << "Binary: " << (this->Binary ? "On" : "Off") << "\n";
   os << indent << "BoundaryIds:";
   for (const auto& [name, id] : this->BoundaryIds)
   {
@@ -148,6 +149,7 @@ void vtkQuadflowWriter::WriteData()
     options.indexBase = this->IndexBase;
     options.unitKnots = this->KnotScaling == UNIT_KNOTS;
     options.separateGeometry = this->SeparateGeometry;
+    options.binary = this->Binary;
     bsv::writeQuadflow(bsv::makeQuadflowCase(input), this->FileName, options, bsv::filterExecution(this));
   }
   catch (const bsv::Aborted&)

@@ -77,25 +77,36 @@ char* AtomicFile::room(std::size_t size)
   return this->Buffer.data() + this->Used;
 }
 
-void AtomicFile::write(const std::string& text)
+void AtomicFile::write(const char* data, std::size_t size)
 {
-  char* to = this->room(text.size());
-  std::memcpy(to, text.data(), text.size());
-  this->advance(to + text.size());
+  if (size > this->Buffer.size())
+  {
+    this->flush();
+    this->put(data, size);
+    return;
+  }
+  char* to = this->room(size);
+  std::memcpy(to, data, size);
+  this->advance(to + size);
 }
 
 void AtomicFile::flush()
 {
-  for (std::size_t done = 0; done < this->Used;)
+  this->put(this->Buffer.data(), this->Used);
+  this->Used = 0;
+}
+
+void AtomicFile::put(const char* data, std::size_t size)
+{
+  for (std::size_t done = 0; done < size;)
   {
-    const ssize_t written = ::write(this->Descriptor, this->Buffer.data() + done, this->Used - done);
+    const ssize_t written = ::write(this->Descriptor, data + done, size - done);
     if (written < 0 && errno != EINTR)
     {
       this->fail("write");
     }
     done += written > 0 ? static_cast<std::size_t>(written) : 0;
   }
-  this->Used = 0;
 }
 
 void AtomicFile::finish()

@@ -26,7 +26,9 @@ public:
   /// Room for at least `size` characters in the buffer, which advance() then takes.
   char* room(std::size_t size);
   void advance(const char* end) { this->Used = static_cast<std::size_t>(end - this->Buffer.data()); }
-  void write(const std::string& text);
+  void write(const std::string& text) { this->write(text.data(), text.size()); }
+  /// Large pieces are not copied.
+  void write(const char* data, std::size_t size);
 
   /// Everything written is on the disk. @throws Error, for example for a full disk.
   void finish();
@@ -35,6 +37,7 @@ public:
 
 private:
   void flush();
+  void put(const char* data, std::size_t size);
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string Target;

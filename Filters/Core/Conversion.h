@@ -30,6 +30,7 @@ enum class ControlPointRule : std::uint8_t
   ExtraordinaryEdge,       ///< layer rule at an interior edge of valence other than four (3.31), (5.42), (5.43)
   SingularNode,            ///< at an interior vertex where the layer is not unique
   WallLayer,               ///< first inserted layer at the wall (5.44)
+  FarFieldLayer,           ///< first inserted layer of the far-field extension
   Count
 };
 
@@ -47,8 +48,9 @@ enum class BoundaryRole : std::uint8_t
 /// Which planar block sides keep their points.
 enum class PlanarSides : std::uint8_t
 {
-  /// Planar sides of the outer boundary that are neither body nor symmetry plane. A side ends at sharp edges; the whole
-  /// mesh lies behind it, and it borders on planar sides only.
+  /// Planar sides of the outer boundary that are neither body nor symmetry plane, and the sides to which a far-field
+  /// extension is attached (FarField.h). A side of the boundary ends at sharp edges; the whole mesh lies behind it, and
+  /// it borders on planar sides only.
   FarField,
   All,      ///< every planar block side but the body's, inner ones too (these joins are then C0 only)
   None
@@ -65,6 +67,19 @@ enum class Twist : std::uint8_t
   Literal
 };
 
+/// Where the first inserted layer of the far-field extension lies.
+enum class FarFieldSpacing : std::uint8_t
+{
+  /// As everywhere: at a third of the extension's first cell.
+  Off,
+  /// At the distance between the last two layers of control points before the extension, p^K and p_{K-1/3}, averaged
+  /// over the side of the cuboid. Blocks at edges and corners take the distance of each side whose plane they lie
+  /// beyond.
+  SideAverage,
+  /// At that distance at each vertex. C1 where mesh lines cross the side straight on; SideAverage is so on average.
+  PerVertex
+};
+
 struct ConversionOptions
 {
   /// Role per entry of BlockComplex::boundaryNames; missing entries are Other.
@@ -75,6 +90,19 @@ struct ConversionOptions
   Twist twist = Twist::SecondFundamentalForm;
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
   double wallSpacing = 2.0 / 3.0;
+  /// Take c = (2 + ln g) / (3 + ln g) instead, g = |p_2 - p_1| / |p_1 - p_0| the growth of the layers at each wall
+  /// vertex: the value with which the spacing of the converted layers starts with the growth ln g per span.
+  bool automaticWallSpacing = false;
+  /// c per entry of BlockComplex::boundaryNames instead of these, NaN where none is given.
+  std::vector<double> boundaryWallSpacing;
+  /// Per block of the mesh: c at every mesh point, i fastest, or null; only points of the wall count, NaN marks those
+  /// without a value. It has precedence over all of these. A wall vertex has one c: where boundaries or blocks give
+  /// different ones, their mean.
+  std::vector<const double*> wallSpacingPoints;
+  FarFieldSpacing farFieldSpacing = FarFieldSpacing::SideAverage;
+  /// Per block of the mesh, whether it belongs to the far-field extension; blocks attached to it by an edge or a corner
+  /// are found through it. Empty: the extension is recognised (FarField.h).
+  std::vector<bool> extensionBlocks;
   /// How far what the rules of the outer surface changed is carried into the layers, which would fold otherwise: above
   /// creases as a multiple of the depth by which the smooth rule would round them (CreaseColumns.h), above extraordinary
   /// body vertices in local edge lengths (BodyPropagation.cpp). At least 0, 0 is off.
@@ -87,6 +115,9 @@ struct ConversionOptions
   /// they have precedence over `body`.
   std::vector<const double*> projectedPoints;
   std::vector<const double*> surfaceNormals;
+  /// Compute only control points on faces, edges and vertices that touch blocks at the wall, and leave all others as
+  /// they are; no far-field spacing, no counts.
+  bool wallOnly = false;
 };
 
 /// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller.
@@ -96,12 +127,21 @@ struct ControlNetStorage
   std::uint8_t* rules = nullptr;
 };
 
+/// Control points per ControlPointRule.
+using RuleCounts = std::array<Index, static_cast<std::size_t>(ControlPointRule::Count)>;
+
 struct ConversionReport
 {
-  /// Control points per ControlPointRule, counted once per block that holds them.
-  std::array<Index, static_cast<std::size_t>(ControlPointRule::Count)> controlPoints{};
+  /// Counted once per block that holds them.
+  RuleCounts controlPoints{};
   Index singularNodes = 0;
   Index planarFaces = 0;
+  /// Distances of the first inserted layer per side with a far-field extension (PerVertex: their mean).
+  std::vector<double> extensionDistances;
+  /// Places where this distance would reach over 2/3 of the extension's first cell and was cut to that.
+  Index limitedDistances = 0;
+  /// Smallest and largest c at the wall.
+  std::array<double, 2> wallSpacing{ 2.0 / 3.0, 2.0 / 3.0 };
 };
 
 /// Converts every block. `nets` has one entry per block of the complex.

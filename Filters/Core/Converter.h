@@ -14,6 +14,7 @@
 #include "Conversion.h"
 #include "EdgeFans.h"
 #include "EntityRules.h"
+#include "FirstLayer.h"
 #include "LayerRules.h"
 
 #include <algorithm>
@@ -24,9 +25,6 @@
 
 namespace bsv
 {
-
-/// Weight of the nearer point in an inserted point, unless a wall spacing is given.
-constexpr double KnotInsertion = 2.0 / 3.0;
 
 /// @name Positions in the control net of a direction with `cells` mesh cells
 /// From either end 0, 1, .. are the end point and the inserted point; mesh points keep their order between them.
@@ -53,31 +51,45 @@ public:
     , Nets(nets)
     , Run(run)
     , Rules(classify(complex, options, run))
+    , Layer(complex, options)
   {
   }
 
   ConversionReport convert();
 
 private:
+  /// Converts the sides to which a far-field extension is attached, and places the extension's first layer after them.
+  void placeExtension();
+
   struct Star;
   struct StackAxes;
 
   /// @name Control points owned by the interior of a block, face, edge, and by a vertex
   ///@{
-  void convertBlock(int block, int slab);
+  /// One layer of a block's interior. If `stream`, the memory is in order only after endStream().
+  void convertBlock(int block, int slab, bool stream);
   void convertFace(int face);
   void convertEdge(int edge);
   void convertVertex(int vertex);
   ///@}
+  RuleCounts countRules(int block) const;
 
   /// @name Layers of quadrilaterals across an edge
   ///@{
   /// Mesh points of layer k.
   Fan meshFan(const EdgeFan& fan, int k) const;
-  /// Control points of layer k, before the rule along the edge.
-  Fan controlFan(int edge, const EdgeFan& fan, int k) const;
-  /// Weight of the edge in the inserted points along each spoke.
-  std::vector<double> nearWeights(const EdgeFan& fan) const;
+  /// Control points of layer k, before the rule along the edge. `base`: the layer next to it, if k is seen from there
+  /// as the first layer off a wall or connection layer; where its c varies, points are put where the c of the edge has
+  /// the effect of their own.
+  Fan controlFan(int edge, const EdgeFan& fan, int k, int base = -1) const;
+  /// Weight of the edge in the inserted points along each spoke of layer k.
+  std::vector<double> nearWeights(const EdgeFan& fan, int k) const;
+  /// Moves points as controlFan() says: those above the layer `base`, and sectors whose spokes leave a wall or
+  /// connection layer.
+  void adjustLayer(Fan& points, const EdgeFan& fan, int base) const;
+  void adjustSectors(Fan& points, const EdgeFan& fan, int k) const;
+  /// (1 - c) at one mesh point of a block's face over (1 - c) at another.
+  double layerRatio(int block, int face, const Ijk& point, const Ijk& reference) const;
   /// How far the faces behind the spokes keep their points in layer k.
   std::vector<SpokeKeep> spokeKeeps(const EdgeFan& fan, int k) const;
   /// FaceRule::keep of a block's face at a mesh point.
@@ -87,6 +99,8 @@ private:
   /// @name Star of a vertex: the results go into the star
   ///@{
   Star makeStar(int vertex) const;
+  /// Moves points of faces and blocks in the same way.
+  void adjustStar(Star& star) const;
   /// Control points of the layer k steps away from the vertex, across a star edge.
   Fan starLayer(const Star& star, int starEdge, int k) const;
   /// Tensor product of the masks, if all around the vertex is regular; otherwise does nothing and returns false.
@@ -115,6 +129,11 @@ private:
   void propagateFeet();
   ///@}
 
+  /// Rule of inserted points off a connection layer, or else off a wall.
+  static ControlPointRule layerRule(bool connection)
+  {
+    return connection ? ControlPointRule::FarFieldLayer : ControlPointRule::WallLayer;
+  }
   bool isWall(int face) const
   {
     return this->Complex.faces[face].boundary() && this->Rules.faces[face].role == BoundaryRole::Body;
@@ -136,6 +155,7 @@ private:
   const std::vector<ControlNetStorage>& Nets;
   const Execution& Run;
   const EntityRules Rules;
+  FirstLayer Layer;
   /// Added to the control points of the layers across an edge: `delta`, in the order of the edge's fan, by a weight per
   /// layer.
   struct Correction
@@ -160,6 +180,8 @@ struct Converter::Star : VertexStar
   };
 
   bool boundary = false;
+  /// Whether it lies in the connection layer of a far-field extension.
+  bool connection = false;
   std::vector<EdgeInfo> info;
   /// Weight of the vertex in the inserted point along each star edge.
   std::vector<double> near;
@@ -180,6 +202,8 @@ struct Converter::Star : VertexStar
   /// The two star edges of a crease through the vertex, or -1.
   std::array<int, 2> crease{ -1, -1 };
 
+  /// Whether kept faces meet at one of the edges so that nothing around it is regular (keptLinesMeet()).
+  bool keptFacesMeet() const;
   bool keepsPoints() const
   {
     return std::find(this->keptFaces.begin(), this->keptFaces.end(), true) != this->keptFaces.end();

@@ -2,6 +2,7 @@
 #include "Converter.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace bsv
 {
@@ -25,23 +26,54 @@ Fan Converter::meshFan(const EdgeFan& fan, int k) const
   return result;
 }
 
-std::vector<double> Converter::nearWeights(const EdgeFan& fan) const
+std::vector<double> Converter::nearWeights(const EdgeFan& fan, int k) const
 {
-  // A spoke leaves a wall if it borders a sector whose other spoke lies in the wall.
+  // The second spoke of a sector leaves the block face on which the first one lies, and the other way round.
   std::vector<double> weights(fan.spokeCount(), KnotInsertion);
   for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
   {
-    const int next = (i + 1) % fan.spokeCount();
-    if (this->isWall(fan.faceOf(this->Complex, i)))
+    const FanSector& sector = fan.sectors[i];
+    const Ijk point = sector.point(this->Complex.blocks[sector.block], k, 0, 0);
+    for (const int which : { 0, 1 })
     {
-      weights[next] = this->Options.wallSpacing;
-    }
-    if (this->isWall(fan.faceOf(this->Complex, next)))
-    {
-      weights[i] = this->Options.wallSpacing;
+      double& weight = weights[(i + 1 - which) % fan.spokeCount()];
+      const double own = this->Layer.weight(sector.block, sector.spokeFace(which), point);
+      weight = own == KnotInsertion ? weight : weight == KnotInsertion ? own : std::max(weight, own);
     }
   }
   return weights;
+}
+
+double Converter::layerRatio(int block, int face, const Ijk& point, const Ijk& reference) const
+{
+  if (!this->Layer.varies(block, face))
+  {
+    return 1.0;
+  }
+  const double weight = this->Layer.weight(block, face, point);
+  const double other = this->Layer.weight(block, face, reference);
+  return weight == other ? 1.0 : (1.0 - weight) / (1.0 - other);
+}
+
+void Converter::adjustSectors(Fan& points, const EdgeFan& fan, int k) const
+{
+  for (int i = 0; i < points.sectorCount(); ++i)
+  {
+    const FanSector& sector = fan.sectors[i];
+    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    const Ijk center = sector.point(owner, k, 0, 0);
+    const double first =
+      this->layerRatio(sector.block, sector.spokeFace(0), sector.point(owner, k, 1, 0), center);
+    const double second =
+      this->layerRatio(sector.block, sector.spokeFace(1), sector.point(owner, k, 0, 1), center);
+    const Vec3 point = points.sectors[i];
+    const Vec3 offsets[2] = { (first - 1.0) * (point - points.spokes[i]),
+      (second - 1.0) * (point - points.spokes[points.nextSpoke(i)]) };
+    if (first != 1.0 || second != 1.0)
+    {
+      points.sectors[i] += offsets[0] + offsets[1];
+    }
+  }
 }
 
 double Converter::keepAt(int block, int face, const Ijk& point) const
@@ -66,10 +98,43 @@ std::vector<SpokeKeep> Converter::spokeKeeps(const EdgeFan& fan, int k) const
   return keeps;
 }
 
-Fan Converter::controlFan(int edge, const EdgeFan& fan, int k) const
+void Converter::adjustLayer(Fan& points, const EdgeFan& fan, int base) const
 {
-  const Fan points = this->meshFan(fan, k);
-  const std::vector<double> weights = this->nearWeights(fan);
+  const Fan below = this->meshFan(fan, base);
+  const auto ratioAt = [&](const FanSector& sector, int a, int b) {
+    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    const bool upper = sector.reversed ? base == 0 : base != 0;
+    return this->layerRatio(sector.block, 2 * sector.along + (upper ? 1 : 0), sector.point(owner, base, a, b),
+      sector.point(owner, base, 0, 0));
+  };
+  std::vector<double> spokes(points.spokeCount(), 1.0);
+  for (int i = 0; i < points.sectorCount(); ++i)
+  {
+    const FanSector& sector = fan.sectors[i];
+    points.sectors[i] += (ratioAt(sector, 1, 1) - 1.0) * (points.sectors[i] - below.sectors[i]);
+    // A spoke is seen by two sectors; one of them may have no wall below.
+    for (const int which : { 0, 1 })
+    {
+      double& ratio = spokes[(i + which) % points.spokeCount()];
+      const double own = which == 0 ? ratioAt(sector, 1, 0) : ratioAt(sector, 0, 1);
+      ratio = own == 1.0 ? ratio : ratio == 1.0 ? own : std::max(ratio, own);
+    }
+  }
+  for (int i = 0; i < points.spokeCount(); ++i)
+  {
+    points.spokes[i] += (spokes[i] - 1.0) * (points.spokes[i] - below.spokes[i]);
+  }
+}
+
+Fan Converter::controlFan(int edge, const EdgeFan& fan, int k, int base) const
+{
+  Fan points = this->meshFan(fan, k);
+  this->adjustSectors(points, fan, k);
+  if (base >= 0)
+  {
+    this->adjustLayer(points, fan, base);
+  }
+  const std::vector<double> weights = this->nearWeights(fan, k);
   const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
   if (!this->Rules.edges[edge].anchored)
   {
@@ -118,19 +183,28 @@ void Converter::convertEdge(int edge)
   const EdgeRule& edgeRule = this->Rules.edges[edge];
   for (const EdgeFan& fan : edgeRule.fans)
   {
-    const std::vector<double> weights = this->nearWeights(fan);
     const bool ordinary = edgeRule.rule != ControlPointRule::ExtraordinaryEdge;
+    bool connection = false;
+    for (int i = 0; i < fan.spokeCount(); ++i)
+    {
+      connection = connection || this->Rules.faces[fan.faceOf(this->Complex, i)].connection;
+    }
     const auto ruleOf = [&](double weightFirst, double weightSecond) {
-      return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? ControlPointRule::WallLayer
+      return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? layerRule(connection)
                                                                                          : edgeRule.rule;
     };
     for (int k = 1; k < shared.cells; ++k)
     {
+      const std::vector<double> weights = this->nearWeights(fan, k);
       const Fan values = this->controlFan(edge, fan, k);
       const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
-      const bool keepsAny = std::any_of(keeps.begin(), keeps.end(), [](const SpokeKeep& keep) { return keep.any(); });
+      std::vector<bool> kept;
+      std::transform(
+        keeps.begin(), keeps.end(), std::back_inserter(kept), [](const SpokeKeep& keep) { return keep.any(); });
+      const bool keepsAny = std::find(kept.begin(), kept.end(), true) != kept.end();
+      const bool keepsAll = keptLinesMeet(fan.closed, kept);
       const auto spokeRule = [&](int i) {
-        return keeps[i].any() ? ControlPointRule::Crease : ruleOf(weights[i], KnotInsertion);
+        return kept[i] || keepsAll ? ControlPointRule::Crease : ruleOf(weights[i], KnotInsertion);
       };
       for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
       {
@@ -147,7 +221,7 @@ void Converter::convertEdge(int edge)
         put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
         put(1, 0, values.spokes[i], spokeRule(i));
         put(0, 1, values.spokes[next], spokeRule(next));
-        put(1, 1, values.sectors[i], ruleOf(weights[i], weights[next]));
+        put(1, 1, values.sectors[i], keepsAll ? ControlPointRule::Crease : ruleOf(weights[i], weights[next]));
       }
     }
   }

@@ -21,11 +21,14 @@ void forAllPoints(const BlockComplex& complex, int face, const Body& body)
   const FaceUse& use = complex.faces[face].uses.front();
   const ComplexBlock& block = complex.blocks[use.block];
   const Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
+  const Index start = block.points.offset(facePoint(cells, use.face, 0, 0));
+  const Index alongS = block.points.offset(facePoint(cells, use.face, 1, 0)) - start;
+  const Index alongT = block.points.offset(facePoint(cells, use.face, 0, 1)) - start;
   for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
   {
     for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
     {
-      body(block.points(facePoint(cells, use.face, s, t)));
+      body(block.points.atOffset(start + s * alongS + t * alongT));
     }
   }
 }
@@ -309,11 +312,7 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
   forEachEdge([&](int e) { rules.edges[e].fans = edgeFans(complex, e); });
   for (std::size_t f = 0; f < complex.faces.size(); ++f)
   {
-    const int tag = complex.faces[f].tag;
-    if (complex.faces[f].boundary() && tag >= 0 && tag < static_cast<int>(options.roles.size()))
-    {
-      rules.faces[f].role = options.roles[tag];
-    }
+    rules.faces[f].role = roleOf(options, complex.faces[f]);
   }
   std::vector<int> planar(complex.faces.size(), -1);
   if (options.planarSides == PlanarSides::FarField)
@@ -328,6 +327,18 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
       const bool keeps = rules.faces[f].role != BoundaryRole::Body &&
         plane.deviation <= options.planarTolerance * plane.diagonal;
       planar[f] = keeps ? f : -1;
+    }
+  }
+  if (options.planarSides != PlanarSides::None)
+  {
+    rules.farField = farFieldSides(complex, options);
+  }
+  for (const FarFieldSide& side : rules.farField)
+  {
+    for (const int face : side.faces)
+    {
+      rules.faces[face].connection = true;
+      planar[face] = face;
     }
   }
   for (std::size_t f = 0; f < complex.faces.size(); ++f)

@@ -5,6 +5,7 @@
 
 #include "Conversion.h"
 #include "EdgeFans.h"
+#include "FarField.h"
 
 #include <vector>
 
@@ -19,6 +20,9 @@ struct FaceRule
   /// Of an inner face that rises from a crease: how far its mesh points are kept as they are, from 0 (the smooth mask
   /// across the face) to 1; one value per point, in the axes of the face's first use, s fastest. Empty: smooth.
   std::vector<double> keep;
+
+  /// Inner face of a side to which a far-field extension is attached.
+  bool connection = false;
 
   bool planar() const { return this->planarSide >= 0; }
 };
@@ -42,6 +46,8 @@ struct EntityRules
   std::vector<FaceRule> faces;
   std::vector<EdgeRule> edges;
   Index planarFaces = 0;
+  /// Where a far-field extension is attached; none if there are no planar sides.
+  std::vector<FarFieldSide> farField;
 
   /// Rule of the points of a boundary face.
   ControlPointRule boundaryRule(int face) const;

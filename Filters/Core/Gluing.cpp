@@ -248,17 +248,24 @@ private:
     const int nt = a.hi[1] - a.lo[1];
     const GridView& pointsA = this->Mesh.blocks[contact.blockA].points;
     const GridView& pointsB = this->Mesh.blocks[contact.blockB].points;
+    const auto onA = [&](int s, int t) {
+      return facePoint(this->Surface.cells(contact.blockA), contact.faceA, a.lo[0] + s, a.lo[1] + t);
+    };
+    const auto onB = [&](int s, int t) {
+      const auto st = mapFacePoint(contact.orientation, s, t, ns, nt);
+      return facePoint(
+        this->Surface.cells(contact.blockB), contact.faceB, contact.originB[0] + st[0], contact.originB[1] + st[1]);
+    };
+    const Index startA = pointsA.offset(onA(0, 0)), startB = pointsB.offset(onB(0, 0));
+    const Index alongSA = pointsA.offset(onA(1, 0)) - startA, alongSB = pointsB.offset(onB(1, 0)) - startB;
+    const Index alongTA = pointsA.offset(onA(0, 1)) - startA, alongTB = pointsB.offset(onB(0, 1)) - startB;
     Comparison result;
     for (int t = 0; t <= nt; ++t)
     {
       for (int s = 0; s <= ns; ++s)
       {
-        const auto onB = mapFacePoint(contact.orientation, s, t, ns, nt);
-        const Ijk p = facePoint(this->Surface.cells(contact.blockA), contact.faceA, a.lo[0] + s, a.lo[1] + t);
-        const Ijk q = facePoint(this->Surface.cells(contact.blockB), contact.faceB, contact.originB[0] + onB[0],
-          contact.originB[1] + onB[1]);
-        const Vec3 x = pointsA(p);
-        const Vec3 y = pointsB(q);
+        const Vec3 x = pointsA.atOffset(startA + s * alongSA + t * alongTA);
+        const Vec3 y = pointsB.atOffset(startB + s * alongSB + t * alongTB);
         if (sameBits(x, y))
         {
           continue;
@@ -268,10 +275,11 @@ private:
         {
           return result;
         }
-        result.pointA = p;
-        result.pointB = q;
+        result.pointA = onA(s, t);
+        result.pointB = onB(s, t);
         result.distance = (x - y).norm();
-        result.allowed = std::min(this->tolerance(contact.blockA, p), this->tolerance(contact.blockB, q));
+        result.allowed =
+          std::min(this->tolerance(contact.blockA, result.pointA), this->tolerance(contact.blockB, result.pointB));
         if (result.distance > result.allowed)
         {
           return result;
@@ -329,6 +337,22 @@ private:
           text(c.distance) + " apart, allowed is " + text(c.allowed));
       }
       this->take(contact, what);
+      this->noteSameBits(contact, c);
+    }
+  }
+
+  /// The faces of a contact that covers both are known to be equal, if they are.
+  void noteSameBits(const Interface& contact, const Comparison& compared)
+  {
+    const auto whole = [&](int block, int face, const FaceRange& range) {
+      return range.lo == std::array<int, 2>{ 0, 0 } && range.hi[0] == this->Surface.faceCells(block, face, 0) &&
+        range.hi[1] == this->Surface.faceCells(block, face, 1);
+    };
+    if (compared.sameBits && whole(contact.blockA, contact.faceA, contact.rangeA) &&
+      whole(contact.blockB, contact.faceB, contact.rangeB()))
+    {
+      this->Result.setSameBits(contact.blockA, contact.faceA);
+      this->Result.setSameBits(contact.blockB, contact.faceB);
     }
   }
 
@@ -419,8 +443,7 @@ private:
       if (compared[n].sameBits)
       {
         this->take(candidates[n], "contact");
-        this->Result.setSameBits(candidates[n].blockA, candidates[n].faceA);
-        this->Result.setSameBits(candidates[n].blockB, candidates[n].faceB);
+        this->noteSameBits(candidates[n], compared[n]);
       }
     }
   }

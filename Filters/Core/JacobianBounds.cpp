@@ -9,27 +9,29 @@
 #include <mutex>
 #include <numeric>
 
-// Rounding errors. Notation of N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002, chapter
-// 3: u = 2^-53; a product of n factors (1 + d)^+-1, |d| <= u, is 1 + t with |t| <= gamma(n) = n u / (1 - n u).
+// Rounding errors. Notation of N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002,
+// chapter 3: u = 2^-53; a product of n factors (1 + d)^+-1, |d| <= u, is 1 + t with |t| <= gamma(n) = n u / (1 - n u).
 //
-// 1. Control points enter relative to one of them, o; let P_c be the largest |component c| of what enters, w (x - o) for
-//    rational spans. Difference, product with the weight, and taking P_c from rounded values: 4 roundings.
-// 2. A row of bezierWeights() sums to 1; every step of its recurrence adds at most 9 u to the sum of the absolute
-//    errors of a row (3 for s, 3 for 1 - s, the rest for products and sum), the final mean u: (9 p + 2) u in all. The
-//    three passes multiply and add p + 1 terms each: p + 1 roundings. Exact weights are not negative and sum to 1, so a
-//    computed Bezier point differs from the exact one by at most
-//        b_c = gamma(n) P_c,  n = 4 + sum over the directions of (9 p + 2) + (p + 1).
-// 3. Let h' be the derivatives' exact Bezier points p (b(i+1) - b(i)) taken from the computed b. They differ from those of
-//    the volume by at most r_c = 2 p b_c (r_c = b_c for H itself).
-// 4. A coefficient of D is a convex combination of products of Bezier points of the factors. What is computed from h' has
-//    at most m = JacobianBatch::roundings() factors (1 + d) on every product; with U_c >= |h'_c| it is within
-//    gamma(m) perm(U) of D(h'), perm being the permanent of the matrix of the U of all rows and components. D is
-//    linear in every row, so |D(h') - D| <= perm(U + r) - perm(U).
-// Together, with 40 roundings more for the evaluation of this bound and its sum with the coefficients:
-//        E = perm(U + r) - perm(U) + gamma(m + 40) perm(U + r).
-// 5. Products that underflow add less than 2^-900 in all, because the largest P_c is brought into 2^-100..2^100. If some
-//    P_c is zero, D is zero exactly.
-// 6. Halving takes n = degree of D means per direction, each with one rounding of a number below 1.1 perm(U + r).
+// 1. Control points enter relative to one of them, o. Let P_c be the largest |component c| of what enters, which is w
+//    and w (x - o) for rational spans. Difference, product with w, and P_c taken from rounded values: 4 roundings.
+// 2. The exact weights of a Bezier point are not negative and sum to 1. Every step of the recurrence of bezierWeights()
+//    adds at most 9 u to the sum of their absolute errors (3 u for s, 3 u for 1 - s, the rest for products and sum),
+//    the mean at its end 2 u: (9 p + 2) u in all. A pass multiplies and adds p + 1 terms: p + 1 roundings. With all
+//    three passes a computed Bezier point differs from the exact one by at most
+//        b_c = gamma(n) P_c,  n = 4 + sum over the directions of (9 p + 2) + (p + 1);
+//    4 more are added for the evaluation of r_c below.
+// 3. Let h' be the derivatives' Bezier points p (b(i+1) - b(i)), exact but for the b, which are the computed ones. They
+//    differ from those of the volume by at most r_c = 2 p b_c (for H itself r_c = b_c).
+// 4. A coefficient of D is a convex combination of products of Bezier points of the factors. What is computed has at
+//    most m = JacobianBatch::roundings() factors (1 + d) on every such product of the h'. With U_c >= |h'_c| it is
+//    within gamma(m) perm(U) of D(h'), where perm is the permanent of the matrix of the U of all rows and components.
+//    D is linear in every row, so |D(h') - D| <= perm(U + r) - perm(U).
+//    Together, with 80 roundings more for the evaluation of this bound and its sum with the coefficients:
+//        E = perm(U + r) - perm(U) + gamma(m + 80) perm(U + r).
+// 5. An underflow is an error of 2^-1075, multiplied by at most three factors P_c and by 2^40 from binomials and
+//    numbers of terms. The largest P_c are brought into 2^-60..2^60: less than 2^-800 in all.
+// 6. If all points have the same x, y or z, D is computed as zero exactly, and is.
+// 7. Halving takes n = degree of D means one after the other, each with one rounding of a number below 1.1 perm(U + r).
 
 namespace bsv
 {
@@ -45,7 +47,10 @@ double gamma(double n)
   return n * Unit / (1.0 - n * Unit);
 }
 
-/// Parts of a span that are looked at before it is given up, and after it has turned out that it cannot be proven valid.
+/// What underflow adds.
+constexpr double Tiny = 0x1p-800;
+
+/// Parts of a span that are looked at before it is given up, and once it is known that it cannot be proven valid.
 constexpr int MaxParts = 4096;
 constexpr int MaxHopelessParts = 64;
 
@@ -104,8 +109,8 @@ public:
     , Strides{ 1, volume.count(0), Index(volume.count(0)) * volume.count(1) }
   {
     std::iota(this->Order.begin(), this->Order.end(), 0);
-    std::stable_sort(this->Order.begin(), this->Order.end(),
-      [&volume](int a, int b) { return volume.degree[a] < volume.degree[b]; });
+    std::stable_sort(
+      this->Order.begin(), this->Order.end(), [&volume](int a, int b) { return volume.degree[a] < volume.degree[b]; });
   }
 
   Orientation operator()(Index first) const
@@ -352,7 +357,8 @@ private:
   std::size_t cornerIndex(int corner) const
   {
     return (cornerSide(corner, 0) ? this->Counts[0] - 1 : 0) +
-      this->Counts[0] * ((cornerSide(corner, 1) ? this->Counts[1] - 1 : 0) +
+      this->Counts[0] *
+      ((cornerSide(corner, 1) ? this->Counts[1] - 1 : 0) +
         static_cast<std::size_t>(this->Counts[1]) * (cornerSide(corner, 2) ? this->Counts[2] - 1 : 0));
   }
 
@@ -395,7 +401,8 @@ private:
       }
     }
     this->rows(across, [&](std::size_t first, int stride) {
-      halveBezier(this->Counts[across] - 1, stride, part.coefficients.data() + first, other.coefficients.data() + first);
+      halveBezier(
+        this->Counts[across] - 1, stride, part.coefficients.data() + first, other.coefficients.data() + first);
     });
     part.size[across] *= 0.5;
     part.error += (this->Counts[across] - 1) * growth;
@@ -447,13 +454,13 @@ public:
     , Halving(Batch.coefficientCounts, chunk.options.maxDepth)
     , Lanes(Batch.lanes)
   {
-    double n = 4.0;
+    double n = 4.0 + 4.0;
     for (const int p : this->Batch.degree)
     {
       n += (9.0 * p + 2.0) + (p + 1.0);
     }
     this->BezierError = gamma(n);
-    this->ProductError = gamma(this->Batch.roundings() + 40.0);
+    this->ProductError = gamma(this->Batch.roundings() + 80.0);
   }
 
   void operator()(Index begin, Index end)
@@ -477,10 +484,12 @@ private:
   struct Lane
   {
     Orientation orientation;
-    /// Components of the control points as they enter, times 2^exponent (of w: 2^weightExponent), and their largest
-    /// magnitudes. Rational: the first one is w.
-    int exponent;
+    /// P_c of the derivation above, w first if the span is rational, and the exponent of the power of two by which
+    /// points are divided.
     std::array<double, 4> extent;
+    int exponent;
+    /// All points have the same x, y or z.
+    bool flat;
     bool overflow;
   };
 
@@ -493,7 +502,7 @@ private:
 
   static int exponentOf(double largest)
   {
-    return largest == 0.0 || (largest > 0x1p-100 && largest < 0x1p100) ? 0 : std::max(std::ilogb(largest), -1000);
+    return largest == 0.0 || (largest > 0x1p-60 && largest < 0x1p60) ? 0 : std::max(std::ilogb(largest), -1000);
   }
 
   void fill(int l, Index span)
@@ -553,6 +562,7 @@ private:
         }
       }
     }
+    lane.flat = extent.minCoeff() == 0.0;
     lane.exponent = exponentOf(extent.maxCoeff());
     const int weightExponent = exponentOf(largestWeight);
     if (lane.exponent != 0)
@@ -627,9 +637,7 @@ private:
     }
     const double size = components == 4 ? permanent<4>(exact) : permanent<3>(exact);
     const double change = size - (components == 4 ? permanent<4>(computed) : permanent<3>(computed));
-    const bool flat = std::any_of(lane.extent.begin() + (components - 3), lane.extent.begin() + components,
-      [](double x) { return x == 0.0; });
-    const double error = flat ? 0.0 : change + this->ProductError * size + 0x1p-900;
+    const double error = lane.flat ? 0.0 : change + this->ProductError * size + Tiny;
 
     Verdict verdict;
     verdict.lower = this->Batch.lowest[l] - error;
@@ -650,7 +658,7 @@ private:
       {
         root[n] = this->Batch.coefficients[n * lanes + l];
       }
-      verdict = this->Halving(error, 1.1 * Unit * size + 0x1p-900);
+      verdict = this->Halving(error, 1.1 * Unit * size + Tiny);
     }
     this->rescale(verdict, l);
     this->store(verdict, l, span);
@@ -666,7 +674,8 @@ private:
       const double error = this->BezierError * lane.extent[0];
       const double low = std::pow(std::max(0.0, this->Batch.lowestWeight[l] - error), 4) / Out;
       const double high = std::pow(this->Batch.highestWeight[l] + error, 4) * Out;
-      const auto divide = [](double x, double w) { return w > 0.0 || x == 0.0 ? x / std::max(w, 0x1p-1000) : x * Infinity; };
+      // Infinite where rounding leaves no weight.
+      const auto divide = [](double x, double w) { return x == 0.0 ? 0.0 : x / w; };
       verdict.lower = divide(verdict.lower, verdict.lower > 0.0 ? high : low);
       verdict.upper = divide(verdict.upper, verdict.upper > 0.0 ? low : high);
       verdict.value = divide(verdict.value, high);
@@ -778,8 +787,8 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
 {
   if (options.maxDepth < 0 || options.maxDepth > MaxJacobianDepth)
   {
-    throw Error(name + ": depth " + std::to_string(options.maxDepth) + " is not in 0.." +
-      std::to_string(MaxJacobianDepth));
+    throw Error(
+      name + ": depth " + std::to_string(options.maxDepth) + " is not in 0.." + std::to_string(MaxJacobianDepth));
   }
   checkPoints(volume, name, run);
   const std::array<Direction, 3> directions{ direction(volume, 0, name), direction(volume, 1, name),
@@ -794,6 +803,7 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
   for (Index start = 0; start < total; start += piece)
   {
     run.report(static_cast<double>(start) / static_cast<double>(total));
+    const std::ptrdiff_t kept = static_cast<std::ptrdiff_t>(report.witnesses.size());
     run.parallelFor(std::min(piece, total - start), 512, [&](Index begin, Index end) {
       Chunk chunk{ volume, directions, options, arrays, {} };
       ChunkWorker worker(chunk);
@@ -812,8 +822,7 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
         report.lowestSpan = part.lowestSpan;
       }
     });
-    // All pieces before this one are complete.
-    std::sort(report.witnesses.begin(), report.witnesses.end(),
+    std::sort(report.witnesses.begin() + kept, report.witnesses.end(),
       [](const JacobianWitness& a, const JacobianWitness& b) { return a.span < b.span; });
     if (static_cast<Index>(report.witnesses.size()) > options.maxWitnesses)
     {

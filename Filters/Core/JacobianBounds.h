@@ -11,9 +11,9 @@
 /// rounding errors, from the control points on, are bounded a priori (derived in JacobianBounds.cpp) and count
 /// against the verdict: `Valid` and `Invalid` are proofs about the volume that these very numbers define.
 ///
-/// The results of a span depend only on its own control points, weights and knot differences: they are the same bits for
-/// any orientation of the block, apart from a reflected one's sign and order of bounds, and for any Execution. Left open
-/// is only a span that an exchange of directions maps to itself.
+/// The results of a span depend only on its own control points, weights and knot differences: they are the same bits
+/// for any orientation of the block, apart from a reflected one's sign and order of bounds, and for any Execution. Left
+/// open is only a span that an exchange of directions maps to itself.
 #pragma once
 
 #include "BSplineVolume.h"
@@ -61,12 +61,12 @@ struct JacobianArrays
   /// lower <= det J <= upper on the whole span.
   double* lower = nullptr;
   double* upper = nullptr;
-  /// Smallest det J / (|x_u| |x_v| |x_w|) of the span's eight corners and its centre: -1 to 1, 1 where the parameter lines
-  /// are at right angles. 0 where a derivative vanishes. (P. M. Knupp, Algebraic mesh quality metrics, SIAM J. Sci.
-  /// Comput. 23, 2001, doi:10.1137/S1064827500371499, there for the corners of a hexahedron.)
+  /// Smallest det J / (|x_u| |x_v| |x_w|) of the span's eight corners and its centre: -1 to 1, 1 where the parameter
+  /// lines are at right angles. 0 where a derivative vanishes. (P. M. Knupp, Algebraic mesh quality metrics, SIAM J.
+  /// Sci. Comput. 23, 2001, doi:10.1137/S1064827500371499, there for the corners of a hexahedron.)
   double* scaledJacobian = nullptr;
-  /// Equiangle skew: largest |90 - angle| / 90 of the angles in degrees between any two of x_u, x_v, x_w at the same points;
-  /// 0 to 1, 0 is best. (Verdict geometric quality library, SAND2007-1751: "equiangle skew", there of the
+  /// Equiangle skew: largest |90 - angle| / 90 of the angles in degrees between any two of x_u, x_v, x_w at the same
+  /// points; 0 to 1, 0 is best. (Verdict geometric quality library, SAND2007-1751: "equiangle skew", there of the
   /// angles between edges.)
   double* skewness = nullptr;
 };

@@ -359,8 +359,8 @@ struct JacobianKernel
       for (int row = first; row < 4; ++row)
       {
         const Counts n = batch.DerivativeCounts[row];
-        const int at = (corner & 1 ? n[0] - 1 : 0) +
-          n[0] * ((corner & 2 ? n[1] - 1 : 0) + n[1] * (corner & 4 ? n[2] - 1 : 0));
+        const int at =
+          (corner & 1 ? n[0] - 1 : 0) + n[0] * ((corner & 2 ? n[1] - 1 : 0) + n[1] * (corner & 4 ? n[2] - 1 : 0));
         for (int c = 0; c < batch.components; ++c)
         {
           h[row][c] = reinterpret_cast<const L*>(batch.Derivatives[row][c])[at];
@@ -419,8 +419,8 @@ struct JacobianKernel
     {
       for (int b = a + 1; b < components; ++b)
       {
-        sumOfProducts<L>({ 2, batch.DerivativeCounts[1], batch.DerivativeCounts[2], { h[1][a], h[1][b] },
-                           { h[2][b], h[2][a] } },
+        sumOfProducts<L>(
+          { 2, batch.DerivativeCounts[1], batch.DerivativeCounts[2], { h[1][a], h[1][b] }, { h[2][b], h[2][a] } },
           batch.Specialised, batch.Minors[a][b]);
       }
     }
@@ -460,8 +460,14 @@ struct JacobianKernel
 
   static void computePortable(JacobianBatch& batch) { compute<PortableLanes>(batch); }
 #if BSV_X86
-  __attribute__((target("avx2"))) static void computeAvx2(JacobianBatch& batch) { compute<4>(batch); }
-  __attribute__((target("avx512f"))) static void computeAvx512(JacobianBatch& batch) { compute<8>(batch); }
+  __attribute__((target("avx2"))) static void computeAvx2(JacobianBatch& batch)
+  {
+    compute<4>(batch);
+  }
+  __attribute__((target("avx512f"))) static void computeAvx512(JacobianBatch& batch)
+  {
+    compute<8>(batch);
+  }
 #endif
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file JacobianKernel.h
-/// Bernstein coefficients of the Jacobian determinant of B-spline spans, several spans side by side in the lanes of vector
-/// registers.
+/// Bernstein coefficients of the Jacobian determinant of B-spline spans, several spans side by side in the lanes of
+/// vector registers.
 ///
 /// A lane never touches another one, nothing is fused or reordered: the coefficients of a span are the same bits for
 /// every instruction set, lane and neighbour. JacobianBounds.h is the interface for everybody else.
@@ -93,8 +93,8 @@ private:
   InstructionSet Instructions;
   bool Specialised;
 
-  /// Points per direction of the derivatives H (0), H_u, H_v, H_w, and of the products of the first 2 and 3 of H_u, H_v,
-  /// H_w.
+  /// Points per direction of the derivatives H (0), H_u, H_v, H_w, and of the products of the first 2 and 3 of H_u,
+  /// H_v, H_w.
   std::array<std::array<int, 3>, 4> DerivativeCounts;
   std::array<int, 3> MinorCounts;
   std::array<int, 3> DeterminantCounts;

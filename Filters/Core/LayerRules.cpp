@@ -368,6 +368,10 @@ Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight
 
   // Wall spacing stretches the offsets a_i, and the twist with them; the knot-insertion weight leaves all as it is.
   constexpr double Regular = 2.0 / 3.0;
+  if (std::all_of(nearWeight.begin(), nearWeight.end(), [](double weight) { return weight == Regular; }))
+  {
+    return result;
+  }
   const double cosine = regularFan(fan.closed, fan.sectorCount()).cosine;
   const double blend = (6.0 + 2.0 * cosine) / (3.0 * (2.0 + 2.0 * cosine));
   const std::vector<Vec3> spokes = result.spokes;
@@ -451,6 +455,13 @@ CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const st
   return result;
 }
 
+bool keptLinesMeet(bool closed, const std::vector<bool>& kept)
+{
+  const auto lines = std::count(kept.begin(), kept.end(), true);
+  const bool inLine = kept.size() == 4 && lines == 2 && kept[0] == kept[2];
+  return closed && lines > 1 && !inLine;
+}
+
 Fan fadedFan(
   const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps)
 {
@@ -472,8 +483,8 @@ Fan fadedFan(
   {
     return result;
   }
-  const bool inLine = sharp.size() == 1 || (sharp.size() == 2 && sharp[1] - sharp[0] == 2);
-  if (fan.closed && n == 4 && inLine)
+  const bool meet = keptLinesMeet(fan.closed, kept);
+  if (fan.closed && n == 4 && !meet)
   {
     const int i = sharp[0];
     const int j = (i + 2) % 4;
@@ -492,7 +503,7 @@ Fan fadedFan(
     result.spokes[1] =
       insertMask(result.center, fadedMask(fan.sectors[0], fan.spokes[1], fan.sectors[1], keeps[1].step), nearWeight[1]);
   }
-  else if (fan.closed && sharp.size() > 1)
+  else if (meet)
   {
     const Fan creased =
       creasedFan(fan, sharp, kept, std::vector<bool>(n, false), twist, nearWeight, keeps).points;

@@ -72,6 +72,10 @@ struct CreasedFan
   bool crease = false;
 };
 
+/// Whether kept spokes are more than one line across a regular fan: fadedFan() then blends the whole fan, and no point of
+/// it is regular.
+bool keptLinesMeet(bool closed, const std::vector<bool>& keptSpokes);
+
 /// Rule for a closed fan that `features` (spokes, ascending, at least one) cut into groups of sectors. Two features with
 /// two sectors or more on both sides are a crease: the centre and the points along the features follow the
 /// one-dimensional rule, the groups are smooth open fans. All else is a corner (one sector between two smooth features

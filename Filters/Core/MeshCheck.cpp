@@ -2,6 +2,7 @@
 #include "MeshCheck.h"
 
 #include "BlockSurface.h"
+#include "PlainCells.h"
 
 #include <Eigen/Geometry>
 
@@ -15,9 +16,6 @@ namespace bsv
 
 namespace
 {
-
-/// Squared relative size below which a corner's area or volume is zero.
-constexpr double FlatSquared = 1e-24;
 
 /// Layers [begin, end) of cells of one block.
 struct Slab
@@ -76,6 +74,16 @@ public:
   {
     Finding found;
     const Ijk& n = this->Points.counts();
+    // Nearly all cells of nearly all meshes are plain; what follows would find the same of them.
+    const PlainCells plain = plainCells(this->Points, slab.begin, slab.end, this->ZeroLengthSquared);
+    if (plain.sign != 0)
+    {
+      const CellSign sign = plain.sign > 0 ? Positive : Negative;
+      found.volume = plain.volume;
+      found.cells[sign] = Index(n[0] - 1) * (n[1] - 1) * (slab.end - slab.begin);
+      found.firstCell[sign] = { 0, 0, slab.begin };
+      return found;
+    }
     for (int k = slab.begin; k <= slab.end; ++k)
     {
       for (int j = 0; j < n[1]; ++j)
@@ -322,6 +330,35 @@ MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution
     }
   }
   return check;
+}
+
+double minimumScaledJacobian(const GridView& points, const Execution& run)
+{
+  const Ijk& counts = points.counts();
+  std::vector<double> layers(counts[2] - 1, 1.0);
+  run.parallelFor(counts[2] - 1, 1, [&](Index begin, Index end) {
+    for (int k = static_cast<int>(begin); k < end; ++k)
+    {
+      for (int j = 0; j + 1 < counts[1]; ++j)
+      {
+        for (int i = 0; i + 1 < counts[0]; ++i)
+        {
+          std::array<Vec3, 8> x;
+          for (int v = 0; v < 8; ++v)
+          {
+            x[v] = points(i + (v & 1), j + (v >> 1 & 1), k + (v >> 2));
+          }
+          for (int v = 0; v < 8; ++v)
+          {
+            const Vec3 a = x[v | 1] - x[v & ~1], b = x[v | 2] - x[v & ~2], c = x[v | 4] - x[v & ~4];
+            const double lengths = a.norm() * b.norm() * c.norm();
+            layers[k] = std::min(layers[k], lengths > 0.0 ? a.cross(b).dot(c) / lengths : -1.0);
+          }
+        }
+      }
+    }
+  });
+  return *std::min_element(layers.begin(), layers.end());
 }
 
 } // namespace bsv

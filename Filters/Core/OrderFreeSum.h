@@ -17,6 +17,13 @@ namespace bsv
 class OrderFreeSum
 {
 public:
+  OrderFreeSum()
+  {
+    // As many terms as a fan of four sectors has, at once.
+    this->Terms.reserve(9);
+    this->Products.reserve(9);
+  }
+
   void clear() { this->Terms.clear(); }
 
   void add(double weight, const Vec3& point)

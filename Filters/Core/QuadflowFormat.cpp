@@ -25,8 +25,22 @@ namespace
 constexpr const char* Magic = "QFMB";
 constexpr const char* GeometryMagic = "QFBSP";
 constexpr const char* Version = "1.0";
+/// Words for the byte orders of binary control points, and the number that precedes those of each block.
+constexpr const char* LittleEndian = "little_endian";
+constexpr const char* BigEndian = "big_endian";
+constexpr double ByteOrderMark = 1.0;
+/// Control points between two reports of progress.
+constexpr Index PointsPerReport = 1 << 16;
 constexpr const char* KnotLabels[3] = { "knots_i", "knots_j", "knots_k" };
 constexpr const char* EdgeClassNames[5] = { "regular", "boundary", "extraordinary", "crease", "planar" };
+
+const char* ownByteOrder()
+{
+  const std::uint16_t two = 2;
+  unsigned char first;
+  std::memcpy(&first, &two, 1);
+  return first == 2 ? LittleEndian : BigEndian;
+}
 
 /// A name as one word without blanks: bytes that would end it, '%' and '#' become %XX; an empty name becomes "-".
 std::string encoded(const std::string& name)
@@ -87,6 +101,11 @@ public:
       *to++ = c < 2 ? ' ' : '\n';
     }
     this->File.advance(to);
+  }
+  /// As they are in memory.
+  void raw(const double* values, Index count)
+  {
+    this->File.write(reinterpret_cast<const char*>(values), sizeof(double) * static_cast<std::size_t>(count));
   }
   AtomicFile& file() { return this->File; }
 
@@ -194,6 +213,7 @@ void writeGeometry(Text& text, const QuadflowCase& all, const QuadflowOptions& o
   }
   double done = 0.0;
   int id = options.indexBase;
+  text << "GEOMETRY" << (options.binary ? std::string(" binary ") + ownByteOrder() : "") << "\n";
   for (const QuadflowBlock& block : all.blocks)
   {
     const BSplineVolume& volume = block.volume;
@@ -211,13 +231,28 @@ void writeGeometry(Text& text, const QuadflowCase& all, const QuadflowOptions& o
     }
     text << " points\n";
     const Index size = Index(volume.count(0)) * volume.count(1) * volume.count(2);
-    for (Index i = 0; i < size; ++i, done += 1.0)
+    if (options.binary)
     {
-      if (i % (1 << 16) == 0)
+      text.raw(&ByteOrderMark, 1);
+    }
+    for (Index first = 0; first < size; first += PointsPerReport)
+    {
+      const Index last = std::min(size, first + PointsPerReport);
+      run.report((done + static_cast<double>(first)) / total);
+      if (options.binary)
       {
-        run.report(done / total);
+        text.raw(volume.points + 3 * first, 3 * (last - first));
+        continue;
       }
-      text.point(volume.points + 3 * i);
+      for (Index i = first; i < last; ++i)
+      {
+        text.point(volume.points + 3 * i);
+      }
+    }
+    done += static_cast<double>(size);
+    if (options.binary)
+    {
+      text << "\n";
     }
   }
 }
@@ -251,7 +286,6 @@ void writeQuadflow(
   writeTopology(topology, all, options.indexBase);
   if (!options.separateGeometry)
   {
-    topology << "GEOMETRY\n";
     writeGeometry(topology, all, options, run);
     topology << "end\n";
     topology.file().finish();
@@ -267,7 +301,7 @@ void writeQuadflow(
     topology.file().finish();
     Text geometry(geometryPath);
     writeHeader(geometry, GeometryMagic, options);
-    geometry << "counts blocks " << static_cast<int>(all.blocks.size()) << "\nGEOMETRY\n";
+    geometry << "counts blocks " << static_cast<int>(all.blocks.size()) << "\n";
     writeGeometry(geometry, all, options, run);
     geometry << "end\n";
     geometry.file().finish();
@@ -399,6 +433,26 @@ public:
     }
     this->At = stop;
     return value;
+  }
+
+  /// The bytes that follow the current line.
+  void raw(void* to, std::size_t size)
+  {
+    char* bytes = static_cast<char*>(to);
+    const std::size_t buffered = std::min(size, this->Last - this->First);
+    std::memcpy(bytes, this->Buffer.data() + this->First, buffered);
+    this->First += buffered;
+    if (std::fread(bytes + buffered, 1, size - buffered, this->File.get()) != size - buffered)
+    {
+      if (std::ferror(this->File.get()))
+      {
+        throw Error("Cannot read '" + this->Path + "': " + std::strerror(errno));
+      }
+      this->fail("the file ends within binary numbers");
+    }
+    this->Remaining -= static_cast<Index>(size);
+    // What was read of the line may have moved.
+    this->At = this->End = nullptr;
   }
 
   std::string name(const char* what)
@@ -546,14 +600,15 @@ public:
 
     std::string geometryPath;
     this->In.expect("GEOMETRY");
-    if (this->In.atEnd())
+    const std::string_view where = this->In.atEnd() ? "" : this->In.word();
+    if (where != "file")
     {
+      this->encoding(this->In, where);
       this->geometry(this->In);
       this->finish(this->In);
     }
     else
     {
-      this->In.expect("file");
       const std::string name = this->In.name("file name");
       if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos ||
         name.find('\0') != std::string::npos)
@@ -572,7 +627,7 @@ public:
       geometry.end();
       geometry.next("GEOMETRY");
       geometry.expect("GEOMETRY");
-      geometry.end();
+      this->encoding(geometry, geometry.word());
       this->geometry(geometry);
       this->finish(geometry);
       this->In.next("end");
@@ -857,6 +912,84 @@ private:
     }
   }
 
+  /// The rest of the line GEOMETRY, from its second word.
+  void encoding(Lines& in, std::string_view word)
+  {
+    this->Binary = !word.empty();
+    if (this->Binary)
+    {
+      if (word != "binary")
+      {
+        in.fail("'binary', 'file' or nothing expected, '" + std::string(word.substr(0, 40)) + "' found");
+      }
+      const std::string_view order = in.word();
+      if (order != LittleEndian && order != BigEndian)
+      {
+        in.fail("'little_endian' or 'big_endian' expected, '" + std::string(order.substr(0, 40)) + "' found");
+      }
+      this->SwapBytes = order != ownByteOrder();
+    }
+    in.end();
+  }
+
+  void rawNumbers(Lines& in, double* to, Index count) const
+  {
+    in.raw(to, sizeof(double) * static_cast<std::size_t>(count));
+    for (Index i = 0; this->SwapBytes && i < count; ++i)
+    {
+      char bytes[sizeof(double)];
+      std::memcpy(bytes, to + i, sizeof(double));
+      std::reverse(bytes, bytes + sizeof(double));
+      std::memcpy(to + i, bytes, sizeof(double));
+    }
+  }
+
+  void binaryPoints(Lines& in, const std::string& block, double* points, Index size, double total) const
+  {
+    double mark = 0.0;
+    this->rawNumbers(in, &mark, 1);
+    if (mark != ByteOrderMark)
+    {
+      in.fail(block + ": the binary numbers do not begin with 1 in the byte order that is stated");
+    }
+    for (Index first = 0; first < size; first += PointsPerReport)
+    {
+      this->Run.report(std::max(0.0, 1.0 - static_cast<double>(in.remaining()) / total));
+      const Index last = std::min(size, first + PointsPerReport);
+      this->rawNumbers(in, points + 3 * first, 3 * (last - first));
+      unsigned int faults = 0;
+      for (Index i = 3 * first; i < 3 * last; ++i)
+      {
+        faults |= !(std::abs(points[i]) <= std::numeric_limits<double>::max());
+      }
+      for (Index i = 3 * first; faults != 0 && i < 3 * last; ++i)
+      {
+        if (!std::isfinite(points[i]))
+        {
+          in.fail(block + ": coordinate " + std::to_string(i % 3) + " of control point " + std::to_string(i / 3) +
+            " is not finite");
+        }
+      }
+    }
+  }
+
+  void textPoints(Lines& in, double* points, Index size, double total) const
+  {
+    for (Index i = 0; i < size; ++i)
+    {
+      if (i % PointsPerReport == 0)
+      {
+        this->Run.report(std::max(0.0, 1.0 - static_cast<double>(in.remaining()) / total));
+      }
+      in.next("a control point");
+      for (int c = 0; c < 3; ++c)
+      {
+        *points++ = in.number("coordinate");
+      }
+      in.end();
+    }
+  }
+
   void geometry(Lines& in)
   {
     const double total = static_cast<double>(in.remaining()) + 1.0;
@@ -878,8 +1011,8 @@ private:
       in.next("ncp");
       in.expect("ncp");
       std::array<int, 3> counts{};
-      // "0 0 0" and a line end, which the last line of the file may lack.
-      const Index room = (in.remaining() + 1) / 6;
+      // As text "0 0 0" and a line end, which the last line of the file may lack.
+      const Index room = (in.remaining() + 1) / (this->Binary ? 24 : 6);
       Index size = 1;
       for (int d = 0; d < 3; ++d)
       {
@@ -899,24 +1032,16 @@ private:
       in.next("points");
       in.expect("points");
       in.end();
+      block.pointsLine = in.line() + (this->Binary ? 0 : 1);
       double* points = this->Storage(static_cast<int>(b), counts);
       volume.points = points;
-      for (Index i = 0; i < size; ++i)
+      if (this->Binary)
       {
-        if (i % (1 << 16) == 0)
-        {
-          this->Run.report(std::max(0.0, 1.0 - static_cast<double>(in.remaining()) / total));
-        }
-        in.next("a control point");
-        if (i == 0)
-        {
-          block.pointsLine = in.line();
-        }
-        for (int c = 0; c < 3; ++c)
-        {
-          *points++ = in.number("coordinate");
-        }
-        in.end();
+        this->binaryPoints(in, "block " + std::to_string(b + this->Base), points, size, total);
+      }
+      else
+      {
+        this->textPoints(in, points, size, total);
       }
     }
     for (QuadflowInterface& entry : this->All.interfaces)
@@ -970,6 +1095,8 @@ private:
   Lines In;
   int Base = 0;
   bool UnitKnots = false;
+  bool Binary = false;
+  bool SwapBytes = false;
   QuadflowCase All;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file QuadflowFormat.h
-/// The text of the multi-block topology file `.qfmb`. Everything that is known of its syntax is in QuadflowFormat.cpp;
-/// Writers/quadflow_format.md describes it.
+/// The multi-block topology file `.qfmb`, text or with binary control points. Everything that is known of its syntax is
+/// in QuadflowFormat.cpp; Writers/quadflow_format.md describes it.
 ///
 /// This is a dialect of this project. No public sample of the solver's own file was available, and compatibility with
 /// it is not claimed.
@@ -23,6 +23,8 @@ struct QuadflowOptions
   bool unitKnots = false;
   /// Control points and knots in a second file, the extension replaced by `.bsp`.
   bool separateGeometry = false;
+  /// Control points as numbers of this machine's byte order between the lines of text: faster, and smaller.
+  bool binary = false;
 };
 
 /// Writes `all`, which must have passed checkQuadflowCase(). Nothing is left behind after an error or an abort, and
@@ -37,8 +39,8 @@ bool looksLikeQuadflow(const std::string& path);
 /// Memory for the control points of block `block`: `counts[0] * counts[1] * counts[2]` triples.
 using QuadflowStorage = std::function<double*(int block, const std::array<int, 3>& counts)>;
 
-/// Reads and checks a file, and the geometry file that it names. Counts are compared with the size of the file before
-/// memory is asked for.
+/// Reads and checks a file, text or binary in any byte order, and the geometry file that it names. Counts are compared
+/// with the size of the file before memory is asked for.
 /// @throws Error naming file and line, Aborted
 QuadflowCase readQuadflow(const std::string& path, const QuadflowStorage& storage, const Execution& run = {});
 

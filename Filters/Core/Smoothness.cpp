@@ -8,8 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <map>
 #include <numeric>
 
 namespace bsv
@@ -326,12 +326,7 @@ Basis basisAt(const Trace& trace, int k, const Cell::Part& part, double x, doubl
 }
 
 /// One-sided sample position along an axis, for both sides of the join.
-struct Station
-{
-  int cell = 0;
-  double x = 0.0;
-  std::array<Basis, 2> basis;
-};
+using Station = std::array<Basis, 2>;
 
 /// What one side says at a point. Vectors that are zero up to rounding are zero.
 struct SideValues
@@ -575,7 +570,7 @@ public:
         for (const Station& s : this->Stations[0][i])
         {
           Vec3 point;
-          const Jumps jumps = this->evaluate(s.basis, t.basis, &point);
+          const Jumps jumps = this->evaluate(s, t, &point);
           if (first)
           {
             this->Result.points[place] = point;
@@ -725,11 +720,9 @@ private:
   Station station(int k, int cell, double x, double rest) const
   {
     Station result;
-    result.cell = cell;
-    result.x = x;
     for (int side = 0; side < 2; ++side)
     {
-      result.basis[side] = basisAt(this->Traces[side], k, this->Cells[k][cell].parts[side], x, rest);
+      result[side] = basisAt(this->Traces[side], k, this->Cells[k][cell].parts[side], x, rest);
     }
     return result;
   }
@@ -780,7 +773,7 @@ private:
     return swapped && (kind == first || kind == second) ? first + second - kind : kind;
   }
 
-  Jumps evaluate(const std::array<Basis, 2>& s, const std::array<Basis, 2>& t, Vec3* point = nullptr) const
+  Jumps evaluate(const Station& s, const Station& t, Vec3* point = nullptr) const
   {
     const SideValues a = evaluateSide(this->Traces[0], s[0], t[0]);
     const SideValues b = evaluateSide(this->Traces[1], s[1], t[1]);
@@ -885,7 +878,7 @@ private:
         const auto f = [&](double x, double y) {
           const Station s = this->station(0, here.cell[0], x, 1.0 - x);
           const Station t = this->station(1, here.cell[1], y, 1.0 - y);
-          return this->evaluate(s.basis, t.basis)[kind];
+          return this->evaluate(s, t)[kind];
         };
         climb(f, 1.0 / this->Parts, here.x, here.y, here.value);
         maxima[this->inA(this->Result.spans, here.cell[0], here.cell[1])] = here.value;
@@ -897,7 +890,7 @@ private:
     worst.value = winner.value;
     const Station s = this->station(0, winner.cell[0], winner.x, 1.0 - winner.x);
     const Station t = this->station(1, winner.cell[1], winner.y, 1.0 - winner.y);
-    this->evaluate(s.basis, t.basis, &worst.point);
+    this->evaluate(s, t, &worst.point);
     for (int side = 0; side < 2; ++side)
     {
       worst.uvw[this->Exchange ? 1 - side : side] = this->parameters(side, winner);
@@ -971,8 +964,8 @@ private:
 // All joins
 //------------------------------------------------------------------------------
 
-/// The pairs of wall faces that meet along a block edge.
-std::vector<Join> wallBorders(const SharedEntities& shared, const SmoothnessOptions& options)
+/// The pairs of outer faces that meet along a block edge.
+std::vector<Join> outerBorders(const SharedEntities& shared)
 {
   struct Use
   {
@@ -988,7 +981,7 @@ std::vector<Join> wallBorders(const SharedEntities& shared, const SmoothnessOpti
       for (int axis = 0; axis < 2; ++axis)
       {
         const int face = 2 * faceAxis(2 * edgeDirection(e), axis) + edgeSide(e, axis);
-        if (shared.faces[block.faces[face]].uses == 1 && options.isWall(b, face))
+        if (shared.faces[block.faces[face]].uses == 1)
         {
           uses[block.edges[e]].push_back({ b, face, e, block.edgeReversed[e] });
         }
@@ -1187,18 +1180,18 @@ double controlPoints(const BSplineVolume& volume, const Join& join)
                        : double(volume.count(faceAxis(side.face, 0))) * volume.count(faceAxis(side.face, 1));
 }
 
-/// Measures joins [begin, end) in batches: their traces need more memory than their results. `done` counts the control
+/// Measures joins in batches: their traces need more memory than their results. `done` counts the control
 /// points of all joins, `total` is their number.
 void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, std::vector<Join>& joins,
-  std::size_t begin, std::size_t end, double& done, double total, const Execution& run)
+  double& done, double total, const Execution& run)
 {
   constexpr double BatchSize = 1e5; // control points
-  for (std::size_t first = begin; first < end;)
+  for (std::size_t first = 0; first < joins.size();)
   {
     run.report(done / total);
     std::vector<JoinMeasurement> batch;
     double size = 0.0;
-    while (first + batch.size() < end && size < BatchSize)
+    while (first + batch.size() < joins.size() && size < BatchSize)
     {
       Join& join = joins[first + batch.size()];
       size += controlPoints(volumes[join.sides[0].block], join);
@@ -1280,31 +1273,37 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
     join.orientation = contact.orientation;
     result.joins.push_back(join);
   }
-  const std::vector<Join> borders = wallBorders(shared, options);
-  result.joins.insert(result.joins.end(), borders.begin(), borders.end());
+  std::vector<Join> borders = outerBorders(shared);
   double total = 0.0;
-  for (const Join& join : result.joins)
+  for (const std::vector<Join>* joins : { &result.joins, &borders })
   {
-    total += controlPoints(volumes[join.sides[0].block], join);
+    for (const Join& join : *joins)
+    {
+      total += controlPoints(volumes[join.sides[0].block], join);
+    }
   }
 
-  // The borders first: creases tell which layers of the interfaces are bound to kink.
+  // The borders first, also those that are not on the wall: creases tell which layers of the interfaces are bound to
+  // kink.
   double done = 0.0;
-  measureJoins(volumes, options, result.joins, interfaces.size(), result.joins.size(), done, total, run);
+  measureJoins(volumes, options, borders, done, total, run);
   std::vector<bool> crease(shared.edges.size(), false);
-  for (std::size_t n = interfaces.size(); n < result.joins.size(); ++n)
+  for (Join& join : borders)
   {
-    Join& join = result.joins[n];
     const Join::Side& side = join.sides[0];
     const unsigned char* rules = options.rules.empty() ? nullptr : options.rules[side.block];
     join.crease = taggedCrease(join, volumes[side.block], rules) || isSharp(join, options.creaseAngle);
     crease[shared.blocks[side.block].edges[side.edge]] = join.crease;
   }
-  for (std::size_t n = 0; n < interfaces.size(); ++n)
+  for (Join& join : result.joins)
   {
-    describeInterface(shared, crease, result.joins[n]);
+    describeInterface(shared, crease, join);
   }
-  measureJoins(volumes, options, result.joins, 0, interfaces.size(), done, total, run);
+  measureJoins(volumes, options, result.joins, done, total, run);
+  std::copy_if(borders.begin(), borders.end(), std::back_inserter(result.joins), [&](const Join& join) {
+    return std::all_of(join.sides.begin(), join.sides.end(),
+      [&](const Join::Side& side) { return options.isWall(side.block, side.face); });
+  });
 
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;

@@ -84,7 +84,7 @@ struct SmoothnessOptions
   /// Relative jumps, and angles in radians, up to this count as smooth. At least 0. Rounding leaves about the machine
   /// epsilon times the size of the coordinates over the thickness of the layer at the join.
   double tolerance = 1e-6;
-  /// The outer faces that form the wall.
+  /// The outer faces that form the wall. Borders with other faces are not listed, but may be creases as well.
   std::function<bool(int block, int face)> isWall = [](int, int) { return true; };
   /// ControlPointRule per control point of each block, or null; the list may be empty. A wall border whose inner
   /// control points are all made by crease or corner rules is a crease at any angle.
@@ -180,8 +180,8 @@ struct SmoothnessResult
 };
 
 /// Samples all joins and then refines the maxima: from the best samples of the spans that come within 20 % of the best
-/// of their join (at most 8 of them) the jump is followed to its local maximum by quadratic fits, unless their neighbours
-/// promise too little, or it is below a thousandth of what counts as smooth.
+/// of their join (at most 8 of them) the jump is followed to its local maximum by quadratic fits, unless the samples
+/// around promise too little, or it is below a thousandth of what counts as smooth.
 ///
 /// The values are the same bits for any order and orientation of the blocks, if knots are spaced equally bit for bit in
 /// both senses, and for any `run`. Interfaces span whole faces; their ranges are not used.

@@ -22,7 +22,7 @@ void Converter::convertSurface(Star& star) const
   std::vector<int> features;
   std::vector<bool> kept, planar;
   std::vector<SpokeKeep> keeps;
-  bool body = true;
+  bool body = true, wall = false;
   for (int i = 0; i < n; ++i)
   {
     fan.spokes.push_back(star.edges[spokes[i]].point);
@@ -46,10 +46,12 @@ void Converter::convertSurface(Star& star) const
       keeps.back().step = this->spokeKeeps(edgeFan, edge.end == 0 ? 1 : cells - 1)[1].center;
     }
     body = body && this->isWall(star.faces[sectors[i]].face);
+    wall = wall || this->isWall(star.faces[sectors[i]].face);
   }
 
+  // Where the side of a far-field extension ends in a symmetry plane or another boundary, it keeps its points.
   Fan result = fan;
-  if (planar == std::vector<bool>(n, true))
+  if ((star.connection && !wall) || planar == std::vector<bool>(n, true))
   {
     star.rule = ControlPointRule::PlanarSide;
     result = creasedFan(fan, {}, kept, planar, this->Options.twist, weights, keeps).points;
@@ -106,6 +108,16 @@ void Converter::convertSurface(Star& star) const
     {
       spokeRules[i] = star.rule = ControlPointRule::Crease;
     }
+  }
+  std::vector<bool> keptSpokes;
+  for (const SpokeKeep& keep : keeps)
+  {
+    keptSpokes.push_back(features.empty() && keep.any());
+  }
+  if (keptLinesMeet(true, keptSpokes))
+  {
+    spokeRules.assign(n, ControlPointRule::Crease);
+    sectorRules.assign(n, ControlPointRule::Crease);
   }
 
   star.center = result.center;

@@ -2,6 +2,7 @@
 #include "TensorPasses.h"
 
 #include "BSplineVolume.h"
+#include "RowLoop.h"
 
 #include <algorithm>
 #include <limits>
@@ -23,15 +24,25 @@ struct Range
 using Box = std::array<Range, 3>;
 
 /// Weighted sum of `count` rows of `length` numbers, `stride` apart; pairs from the ends inwards.
-void combine(const double* weights, int count, const double* rows, Index stride, Index length, double* out)
+BSV_ROW_LOOP void combine(
+  const double* weights, int count, const double* rows, Index stride, Index length, double* __restrict out)
 {
+  const double *r0 = rows, *r1 = rows + stride, *r2 = rows + 2 * stride, *r3 = rows + 3 * stride;
   if (count == 4)
   {
     const double w0 = weights[0], w1 = weights[1], w2 = weights[2], w3 = weights[3];
-    const double *r0 = rows, *r1 = rows + stride, *r2 = rows + 2 * stride, *r3 = rows + 3 * stride;
     for (Index x = 0; x < length; ++x)
     {
       out[x] = (w0 * r0[x] + w3 * r3[x]) + (w1 * r1[x] + w2 * r2[x]);
+    }
+    return;
+  }
+  if (count == 3)
+  {
+    const double w0 = weights[0], w1 = weights[1], w2 = weights[2];
+    for (Index x = 0; x < length; ++x)
+    {
+      out[x] = (w0 * r0[x] + w2 * r2[x]) + w1 * r1[x];
     }
     return;
   }
@@ -56,22 +67,96 @@ void combine(const double* weights, int count, const double* rows, Index stride,
   }
 }
 
-/// One pass: turns the control points of direction d, which `in` holds for the range `control`, into the results of the
-/// range `results`. `sizes` are the points per direction of `in`, then of `out`.
-void contract(const WeightTable& table, int components, int d, const Range& control, const Range& results,
-  std::array<int, 3>& sizes, const std::vector<double>& in, std::vector<double>& out)
+/// combine() along i, for the results of a range of one line of points: `Components` numbers a point, or `components` if
+/// that is 0.
+template <int Components>
+void combineLine(const WeightTable& table, const Range& results, int firstPoint, int components, const double* line,
+  double* __restrict out)
 {
-  const Index inner = components * (d == 0 ? 1 : d == 1 ? Index(sizes[0]) : Index(sizes[0]) * sizes[1]);
-  const Index outer = d == 0 ? Index(sizes[1]) * sizes[2] : d == 1 ? sizes[2] : 1;
-  out.resize(static_cast<std::size_t>(inner * outer * results.size()));
-  double* to = out.data();
-  for (Index o = 0; o < outer; ++o)
+  const int size = Components == 0 ? components : Components;
+  for (int s = results.begin; s < results.end; ++s, out += size)
   {
-    const double* from = in.data() + o * inner * sizes[d];
-    for (int s = results.begin; s < results.end; ++s, to += inner)
+    const WeightTable::Window window = table.windows[s];
+    const double* weights = table.at(s);
+    const double* points = line + (window.first - firstPoint) * size;
+    if (window.count == 4)
     {
-      const WeightTable::Window window = table.windows[s];
-      combine(table.at(s), window.count, from + (window.first - control.begin) * inner, inner, inner, to);
+      const double w0 = weights[0], w1 = weights[1], w2 = weights[2], w3 = weights[3];
+      for (int c = 0; c < size; ++c)
+      {
+        out[c] =
+          (w0 * points[c] + w3 * points[3 * size + c]) + (w1 * points[size + c] + w2 * points[2 * size + c]);
+      }
+      continue;
+    }
+    if (window.count == 3)
+    {
+      const double w0 = weights[0], w1 = weights[1], w2 = weights[2];
+      for (int c = 0; c < size; ++c)
+      {
+        out[c] = (w0 * points[c] + w2 * points[2 * size + c]) + w1 * points[size + c];
+      }
+      continue;
+    }
+    for (int c = 0; c < size; ++c)
+    {
+      double sum = 0.0;
+      for (int q = 0; q < (window.count + 1) / 2; ++q)
+      {
+        const int p = window.count - 1 - q;
+        const double first = weights[q] * points[q * size + c];
+        const double term = q < p ? first + weights[p] * points[p * size + c] : first;
+        sum = q == 0 ? term : sum + term;
+      }
+      out[c] = sum;
+    }
+  }
+}
+
+/// Numbers of a box of points, i fastest: those of a line along i follow each other, lines and layers are apart.
+struct Layout
+{
+  Index line;
+  Index layer;
+};
+
+/// One pass: turns the control points of direction d, which `in` holds without gaps for the range `control`, into the
+/// results of the range `results`. `sizes` are the points per direction of `in`, then of `out`.
+void contract(const WeightTable& table, int components, int d, const Range& control, const Range& results,
+  std::array<int, 3>& sizes, const double* in, double* out, const Layout& layout)
+{
+  const Index line = Index(components) * sizes[0];
+  const Index layer = line * sizes[1];
+  if (d == 0)
+  {
+    for (int k = 0; k < sizes[2]; ++k)
+    {
+      for (int j = 0; j < sizes[1]; ++j)
+      {
+        const auto pass = components == 3 ? &combineLine<3> : &combineLine<0>;
+        pass(table, results, control.begin, components, in + j * line + k * layer,
+          out + j * layout.line + k * layout.layer);
+      }
+    }
+  }
+  else
+  {
+    const Index step = d == 1 ? line : layer;
+    const Index outStep = d == 1 ? layout.line : layout.layer;
+    // Lines that are neither along i nor d; as one where they follow each other.
+    const Index across = d == 1 ? layer : line;
+    const Index outAcross = d == 1 ? layout.layer : layout.line;
+    const bool whole = d == 2 && layout.line == line;
+    const int count = whole ? 1 : sizes[3 - d];
+    const Index length = whole ? layer : line;
+    for (int a = 0; a < count; ++a)
+    {
+      for (int s = results.begin; s < results.end; ++s)
+      {
+        const WeightTable::Window window = table.windows[s];
+        combine(table.at(s), window.count, in + a * across + (window.first - control.begin) * step, step, length,
+          out + a * outAcross + (s - results.begin) * outStep);
+      }
     }
   }
   sizes[d] = results.size();
@@ -165,36 +250,47 @@ public:
         free.push_back(d);
       }
     }
-    if (free.size() == 2)
-    {
-      const int across = 3 - free[0] - free[1];
-      this->evaluate(box, { across, free[0], free[1] }, this->Result);
-      this->evaluate(box, { across, free[1], free[0] }, this->Other);
-      for (std::size_t x = 0; x < this->Result.size(); ++x)
-      {
-        this->Result[x] = 0.5 * (this->Result[x] + this->Other[x]);
-      }
-    }
-    else
-    {
-      this->evaluate(box, this->Inside, this->Result);
-    }
-
+    const Index components = this->Net.components;
     const Index rows = this->Tables[0].rows();
-    const Index layers = rows * this->Tables[1].rows();
-    const Index length = Index(this->Net.components) * box[0].size();
-    const double* from = this->Result.data();
-    for (Index k = box[2].begin; k < box[2].end; ++k)
+    const Layout whole{ components * rows, components * rows * this->Tables[1].rows() };
+    double* results =
+      this->Results + components * box[0].begin + whole.line * box[1].begin + whole.layer * box[2].begin;
+    if (free.size() != 2)
     {
-      for (Index j = box[1].begin; j < box[1].end; ++j, from += length)
+      this->evaluate(box, this->Inside, results, whole);
+      return;
+    }
+    const int across = 3 - free[0] - free[1];
+    const Index line = components * box[0].size();
+    const Layout dense{ line, line * box[1].size() };
+    double* other = room(this->Other, dense.layer * box[2].size());
+    this->evaluate(box, { across, free[0], free[1] }, results, whole);
+    this->evaluate(box, { across, free[1], free[0] }, other, dense);
+    for (int k = 0; k < box[2].size(); ++k)
+    {
+      for (int j = 0; j < box[1].size(); ++j)
       {
-        std::copy(from, from + length, this->Results + this->Net.components * (box[0].begin + j * rows + k * layers));
+        double* to = results + j * whole.line + k * whole.layer;
+        for (Index x = 0; x < line; ++x, ++other)
+        {
+          to[x] = 0.5 * (to[x] + *other);
+        }
       }
     }
   }
 
 private:
-  void evaluate(const Box& box, const std::array<int, 3>& order, std::vector<double>& result)
+  /// Memory that is reused, and not set to zero.
+  static double* room(std::vector<double>& memory, Index size)
+  {
+    if (static_cast<Index>(memory.size()) < size)
+    {
+      memory.resize(size);
+    }
+    return memory.data();
+  }
+
+  void evaluate(const Box& box, const std::array<int, 3>& order, double* result, const Layout& layout)
   {
     Box control;
     std::array<int, 3> sizes;
@@ -211,8 +307,8 @@ private:
     }
 
     const Index components = this->Net.components;
-    this->Second.resize(static_cast<std::size_t>(components) * sizes[0] * sizes[1] * sizes[2]);
-    double* to = this->Second.data();
+    double* points = room(this->Second, components * sizes[0] * sizes[1] * sizes[2]);
+    double* to = points;
     for (Index k = control[2].begin; k < control[2].end; ++k)
     {
       for (Index j = control[1].begin; j < control[1].end; ++j)
@@ -223,19 +319,26 @@ private:
       }
     }
 
-    const auto pass = [&](int d, const std::vector<double>& in, std::vector<double>& out) {
-      contract(this->Tables[d], this->Net.components, d, control[d], box[d], sizes, in, out);
+    const auto pass = [&](int d, const double* in, std::vector<double>& memory) {
+      std::array<int, 3> after = sizes;
+      after[d] = box[d].size();
+      const Index line = components * after[0];
+      double* out = room(memory, line * after[1] * after[2]);
+      contract(
+        this->Tables[d], this->Net.components, d, control[d], box[d], sizes, in, out, { line, line * after[1] });
+      return out;
     };
-    pass(order[0], this->Second, this->First);
-    pass(order[1], this->First, this->Second);
-    pass(order[2], this->Second, result);
+    const double* first = pass(order[0], points, this->First);
+    const double* second = pass(order[1], first, this->Second);
+    contract(this->Tables[order[2]], this->Net.components, order[2], control[order[2]], box[order[2]], sizes, second,
+      result, layout);
   }
 
   const ControlNet& Net;
   const std::array<WeightTable, 3>& Tables;
   std::array<int, 3> Inside;
   double* Results;
-  std::vector<double> First, Second, Result, Other;
+  std::vector<double> First, Second, Other;
 };
 
 /// All results in boxes small enough for the cache. A plane that copies an end is a box of its own: its values must

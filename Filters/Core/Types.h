@@ -98,10 +98,12 @@ public:
     return static_cast<const Real*>(this->Data) + 3 * this->offset(i, j, k);
   }
 
-  /// Point (i, j, k), in double precision.
-  Vec3 operator()(int i, int j, int k) const
+  /// Place of point (i, j, k) in memory, in points: linear in i, j and k.
+  Index offset(const std::array<int, 3>& ijk) const { return this->offset(ijk[0], ijk[1], ijk[2]); }
+  /// The point at an offset, in double precision.
+  Vec3 atOffset(Index offset) const
   {
-    const Index at = 3 * this->offset(i, j, k);
+    const Index at = 3 * offset;
     if (this->IsFloat)
     {
       const float* x = static_cast<const float*>(this->Data) + at;
@@ -110,6 +112,8 @@ public:
     const double* x = static_cast<const double*>(this->Data) + at;
     return Vec3(x[0], x[1], x[2]);
   }
+  /// Point (i, j, k), in double precision.
+  Vec3 operator()(int i, int j, int k) const { return this->atOffset(this->offset(i, j, k)); }
   Vec3 operator()(const std::array<int, 3>& ijk) const { return (*this)(ijk[0], ijk[1], ijk[2]); }
 
   /// The box of points [first, last], both included.

@@ -9,6 +9,46 @@
 namespace bsv
 {
 
+namespace
+{
+
+/// Mesh point of a block next to its corner: a step along each direction whose bit is set in `steps`.
+Ijk cornerPoint(const ComplexBlock& owner, int corner, int steps)
+{
+  Ijk point;
+  for (int d = 0; d < 3; ++d)
+  {
+    const int step = steps >> d & 1;
+    point[d] = cornerSide(corner, d) ? owner.cells(d) - step : step;
+  }
+  return point;
+}
+
+} // namespace
+
+bool Converter::Star::keptFacesMeet() const
+{
+  for (std::size_t e = 0; e < this->edges.size(); ++e)
+  {
+    std::vector<bool> kept;
+    for (const int spoke : this->info[e].spokes)
+    {
+      kept.push_back(false);
+      for (std::size_t f = 0; f < this->faces.size(); ++f)
+      {
+        const auto& ends = this->faces[f].edges;
+        kept.back() =
+          kept.back() || (this->keptFaces[f] && std::minmax(ends[0], ends[1]) == std::minmax<int>(e, spoke));
+      }
+    }
+    if (keptLinesMeet(this->info[e].fan->closed, kept))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
 void Converter::convertVertex(int vertex)
 {
   Star star = this->makeStar(vertex);
@@ -52,6 +92,18 @@ void Converter::convertVertex(int vertex)
       star.rule = star.boundary ? star.rule : ControlPointRule::Crease;
     }
   }
+  if (star.keptFacesMeet())
+  {
+    for (std::size_t e = 0; e < star.edges.size(); ++e)
+    {
+      star.edgeRules[e] = star.edges[e].boundary ? star.edgeRules[e] : ControlPointRule::Crease;
+    }
+    for (std::size_t f = 0; f < star.faces.size(); ++f)
+    {
+      star.faceRules[f] = star.faces[f].boundary ? star.faceRules[f] : ControlPointRule::Crease;
+    }
+    star.blockRules.assign(star.blocks.size(), ControlPointRule::Crease);
+  }
 
   this->writeStar(star);
 }
@@ -75,12 +127,17 @@ Converter::Star Converter::makeStar(int vertex) const
   {
     for (int d = 0; d < 3; ++d)
     {
-      if (this->isWall(star.faces[block.faces[d]].face))
-      {
-        star.near[block.edges[d]] = this->Options.wallSpacing;
-      }
+      // The line along d leaves the block's face normal to d.
+      const ComplexBlock& owner = this->Complex.blocks[block.block];
+      const Ijk corner = cornerPoint(owner, block.corner, 0);
+      const double own = this->Layer.weight(block.block, 2 * d + cornerSide(block.corner, d), corner);
+      double& near = star.near[block.edges[d]];
+      near = own == KnotInsertion ? near : near == KnotInsertion ? own : std::max(near, own);
     }
   }
+  this->adjustStar(star);
+  star.connection = std::any_of(star.faces.begin(), star.faces.end(),
+    [&](const VertexStar::Face& face) { return this->Rules.faces[face.face].connection; });
   star.keptFaces.assign(star.faces.size(), false);
   star.diagonalKeep.assign(star.faces.size(), 0.0);
   for (const VertexStar::Block& block : star.blocks)
@@ -91,13 +148,7 @@ Converter::Star Converter::makeStar(int vertex) const
       const int face = 2 * d + cornerSide(block.corner, d);
       for (int steps = 0; steps < 8; ++steps)
       {
-        Ijk point;
-        for (int axis = 0; axis < 3; ++axis)
-        {
-          const int step = axis == d ? 0 : steps >> axis & 1;
-          point[axis] = cornerSide(block.corner, axis) ? owner.cells(axis) - step : step;
-        }
-        const double keep = this->keepAt(block.block, face, point);
+        const double keep = this->keepAt(block.block, face, cornerPoint(owner, block.corner, steps & ~(1 << d)));
         star.keptFaces[block.faces[d]] = star.keptFaces[block.faces[d]] || keep > 0.0;
         if ((steps | 1 << d) == 7)
         {
@@ -132,11 +183,48 @@ Converter::Star Converter::makeStar(int vertex) const
   return star;
 }
 
+void Converter::adjustStar(Star& star) const
+{
+  // The points as they are: those of faces and blocks are moved by what they have to others.
+  const std::vector<VertexStar::Face> faces = star.faces;
+  for (VertexStar::Block& block : star.blocks)
+  {
+    const ComplexBlock& owner = this->Complex.blocks[block.block];
+    const Ijk center = cornerPoint(owner, block.corner, 0);
+    // Ratio of (1 - c) of the line along d, `steps` away from the vertex in the other directions.
+    const auto ratio = [&](int d, int steps) {
+      return this->layerRatio(
+        block.block, 2 * d + cornerSide(block.corner, d), cornerPoint(owner, block.corner, steps), center);
+    };
+    std::array<Vec3, 3> offsets;
+    for (int d = 0; d < 3; ++d)
+    {
+      offsets[d] = (ratio(d, 7 & ~(1 << d)) - 1.0) * (block.point - faces[block.faces[d]].point);
+      const int a = (d + 1) % 3, b = (d + 2) % 3;
+      const double ra = ratio(a, 1 << b), rb = ratio(b, 1 << a);
+      if (ra != 1.0 || rb != 1.0)
+      {
+        const Vec3& point = faces[block.faces[d]].point;
+        const Vec3 offset = (ra - 1.0) * (point - star.edges[block.edges[b]].point) +
+          (rb - 1.0) * (point - star.edges[block.edges[a]].point);
+        star.faces[block.faces[d]].point = point + offset;
+      }
+    }
+    OrderFreeSum sum;
+    for (const Vec3& offset : offsets)
+    {
+      sum.add(1.0, offset);
+    }
+    block.point += 3.0 * sum.result(3.0);
+  }
+}
+
 Fan Converter::starLayer(const Star& star, int starEdge, int k) const
 {
   const VertexStar::Edge& edge = star.edges[starEdge];
   const int cells = this->Complex.edges[edge.edge].cells;
-  return this->controlFan(edge.edge, *star.info[starEdge].fan, edge.end == 0 ? k : cells - k);
+  return edge.end == 0 ? this->controlFan(edge.edge, *star.info[starEdge].fan, k, k - 1)
+                       : this->controlFan(edge.edge, *star.info[starEdge].fan, cells - k, k > 0 ? cells - k + 1 : -1);
 }
 
 bool Converter::convertRegular(Star& star) const
@@ -301,7 +389,8 @@ bool Converter::areStacked(const Star& star, int up, int down) const
     const int ring = star.blocks[a.sectors[i]].faces[a.fan->sectors[i].along];
     const auto& pair = star.faces[ring].blocks;
     const int across = pair[0] == a.sectors[i] ? pair[1] : pair[0];
-    if (star.keptFaces[ring] || std::find(b.sectors.begin(), b.sectors.end(), across) == b.sectors.end())
+    if (star.keptFaces[ring] || this->Rules.faces[star.faces[ring].face].connection ||
+      std::find(b.sectors.begin(), b.sectors.end(), across) == b.sectors.end())
     {
       return false;
     }
@@ -413,7 +502,7 @@ bool Converter::convertStacked(Star& star) const
   {
     const double near = star.near[stack.axis];
     const ControlPointRule rule =
-      near != KnotInsertion && inner != ControlPointRule::ExtraordinaryEdge ? ControlPointRule::WallLayer : inner;
+      near != KnotInsertion && inner != ControlPointRule::ExtraordinaryEdge ? layerRule(star.connection) : inner;
     setEdge(stack.axis, insertMask(middle.center, stack.layer.center, near), rule);
     for (int i = 0; i < spokes; ++i)
     {
@@ -450,6 +539,10 @@ void Converter::convertAnchored(Star& star) const
 {
   // At the boundary blocks do not lie as in a grid here: what is inserted is not smooth.
   const ControlPointRule inner = star.boundary ? ControlPointRule::Corner : star.rule;
+  const auto ruleOf = [&](const auto& edges) {
+    const bool near = std::any_of(edges.begin(), edges.end(), [&](int e) { return star.near[e] != KnotInsertion; });
+    return near && inner == ControlPointRule::PlanarSide ? layerRule(star.connection) : inner;
+  };
   // Values one step away from the vertex, along edges and in faces.
   std::vector<Vec3> along(star.edges.size()), diagonal(star.faces.size());
   for (std::size_t e = 0; e < star.edges.size(); ++e)
@@ -458,7 +551,7 @@ void Converter::convertAnchored(Star& star) const
     if (!star.edges[e].boundary)
     {
       star.edgePoints[e] = insertMask(star.center, along[e], star.near[e]);
-      star.edgeRules[e] = inner;
+      star.edgeRules[e] = ruleOf(std::array<int, 1>{ static_cast<int>(e) });
     }
   }
   for (std::size_t f = 0; f < star.faces.size(); ++f)
@@ -473,7 +566,7 @@ void Converter::convertAnchored(Star& star) const
       const Vec3 corners[4] = { star.center, along[face.edges[0]], along[face.edges[1]], diagonal[f] };
       const double weights[2] = { star.near[face.edges[0]], star.near[face.edges[1]] };
       star.facePoints[f] = multilinear(corners, weights, 2);
-      star.faceRules[f] = inner;
+      star.faceRules[f] = ruleOf(face.edges);
     }
   }
   for (std::size_t b = 0; b < star.blocks.size(); ++b)
@@ -491,7 +584,7 @@ void Converter::convertAnchored(Star& star) const
     }
     const double weights[3] = { star.near[block.edges[0]], star.near[block.edges[1]], star.near[block.edges[2]] };
     star.blockPoints[b] = multilinear(corners, weights, 3);
-    star.blockRules[b] = inner;
+    star.blockRules[b] = ruleOf(block.edges);
   }
 }
 

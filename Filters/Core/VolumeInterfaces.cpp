@@ -15,7 +15,7 @@ namespace
 
 constexpr int Steps = 4;
 
-struct FaceSamples
+struct ProbedFace
 {
   std::array<std::array<Vec3, Steps + 1>, Steps + 1> points; ///< [t][s]
   double tolerance = 0.0;                                    ///< 0: meets nothing
@@ -24,7 +24,7 @@ struct FaceSamples
   const Vec3& centre() const { return this->points[Steps / 2][Steps / 2]; }
 };
 
-FaceSamples faceSamples(const BSplineVolume& volume, int face, double fraction)
+ProbedFace probe(const BSplineVolume& volume, int face, double fraction)
 {
   const auto parameter = [&](int direction, double f) {
     const std::vector<double>& knots = volume.knots[direction];
@@ -34,7 +34,7 @@ FaceSamples faceSamples(const BSplineVolume& volume, int face, double fraction)
   };
   const int across = faceDirection(face);
   const std::vector<int> spans = nonEmptySpans(volume.degree[across], volume.knots[across]);
-  FaceSamples result;
+  ProbedFace result;
   double shortest = std::numeric_limits<double>::infinity();
   double longest = 0.0;
   double size = 0.0;
@@ -86,7 +86,7 @@ FaceSamples faceSamples(const BSplineVolume& volume, int face, double fraction)
 }
 
 /// Largest distance of the samples if `b` is seen in orientation `o` from `a`.
-double mismatch(const FaceSamples& a, const FaceSamples& b, int o)
+double mismatch(const ProbedFace& a, const ProbedFace& b, int o)
 {
   double worst = 0.0;
   for (int t = 0; t <= Steps; ++t)
@@ -105,7 +105,7 @@ double mismatch(const FaceSamples& a, const FaceSamples& b, int o)
 std::vector<Interface> findVolumeInterfaces(
   const std::vector<BSplineVolume>& volumes, const VolumeInterfaceOptions& options, const Execution& run)
 {
-  std::vector<FaceSamples> faces(6 * volumes.size());
+  std::vector<ProbedFace> faces(6 * volumes.size());
   std::vector<bool> known(faces.size(), false);
   for (const BoundaryPatch& patch : options.boundaries)
   {
@@ -115,7 +115,7 @@ std::vector<Interface> findVolumeInterfaces(
   run.parallelFor(static_cast<Index>(faces.size()), 1, [&](Index begin, Index end) {
     for (Index f = begin; f < end; ++f)
     {
-      faces[f] = faceSamples(volumes[f / 6], static_cast<int>(f % 6), options.tolerance);
+      faces[f] = probe(volumes[f / 6], static_cast<int>(f % 6), options.tolerance);
     }
   });
   std::vector<int> order;
@@ -141,8 +141,8 @@ std::vector<Interface> findVolumeInterfaces(
     run.report(static_cast<double>(i) / order.size());
     for (std::size_t j = i + 1; j < order.size(); ++j)
     {
-      const FaceSamples& one = faces[order[i]];
-      const FaceSamples& other = faces[order[j]];
+      const ProbedFace& one = faces[order[i]];
+      const ProbedFace& other = faces[order[j]];
       if (other.centre()[0] - one.centre()[0] > one.tolerance)
       {
         break;

@@ -463,6 +463,131 @@ MeshCase cGrid(int wakeCells, int bodyCells, int jCells, int kCells)
   return result;
 }
 
+MeshCase extendedCuboid(int cells, int layers, double step, double growth)
+{
+  const Vec3 size(3.0, 1.0, 2.0);
+  const std::array<int, 3> pieces{ 3, 1, 2 };
+  // Lattice coordinates, extension included; inner ones start at index `layers` except at the symmetry plane.
+  std::array<std::vector<double>, 3> lattice;
+  std::array<std::vector<int>, 3> cuts;
+  for (int d = 0; d < 3; ++d)
+  {
+    std::vector<double> beyond;
+    double x = 0.0, cell = step * 0.6 * size[d] / layers;
+    for (int k = 0; k < layers; ++k, cell *= 1.2)
+    {
+      beyond.push_back(x += cell);
+    }
+    const double low = d == 2 ? 0.0 : -size[d];
+    if (d < 2)
+    {
+      cuts[d].push_back(0);
+      for (int k = layers; k-- > 0;)
+      {
+        lattice[d].push_back(low - beyond[k]);
+      }
+    }
+    const int inner = pieces[d] * cells;
+    for (int i = 0; i <= inner; ++i)
+    {
+      if (i % cells == 0)
+      {
+        cuts[d].push_back(static_cast<int>(lattice[d].size()));
+      }
+      lattice[d].push_back(low + (size[d] - low) * i / inner);
+    }
+    for (int k = 0; k < layers; ++k)
+    {
+      lattice[d].push_back(size[d] + beyond[k]);
+    }
+    cuts[d].push_back(static_cast<int>(lattice[d].size()) - 1);
+  }
+  const auto at = [&](int i, int j, int k) { return Vec3(lattice[0][i], lattice[1][j], lattice[2][k]); };
+  const auto isInner = [&](int d, int piece) { return d == 2 ? piece < 2 : piece > 0 && piece <= pieces[d]; };
+
+  std::vector<double> depth{ 0.0 };
+  double thickness = 1.0;
+  for (int k = 0; k < layers; ++k, thickness *= growth)
+  {
+    depth.push_back(depth.back() + thickness);
+  }
+  const auto between = [&](const Vec3& hull, int k) -> Vec3 {
+    const Vec3 body = 0.4 * size.cwiseProduct(normalized(hull.cwiseQuotient(size)));
+    const double w = depth[k] / depth.back();
+    return k == layers ? hull : Vec3(body + w * (hull - body));
+  };
+
+  MeshCase result;
+  result.boundaryNames = { "wall", "symmetry" };
+  // The sides of the cuboid: its direction, side, and the directions of the blocks' first two axes.
+  const int sides[5][4] = { { 0, 1, 1, 2 }, { 0, 0, 2, 1 }, { 1, 1, 2, 0 }, { 1, 0, 0, 2 }, { 2, 1, 0, 1 } };
+  const auto firstPiece = [](int d) { return d == 2 ? 0 : 1; };
+  for (const auto& [d, side, first, second] : sides)
+  {
+    for (int q = 0; q < pieces[second]; ++q)
+    {
+      for (int p = 0; p < pieces[first]; ++p)
+      {
+        result.add({ cells, cells, layers }, [&, d = d, side = side, first = first, second = second](const Ijk& ijk) {
+          Ijk index;
+          index[first] = cuts[first][p + firstPiece(first)] + ijk[0];
+          index[second] = cuts[second][q + firstPiece(second)] + ijk[1];
+          index[d] = side ? cuts[d][firstPiece(d) + pieces[d]] : cuts[d][1];
+          return between(at(index[0], index[1], index[2]), ijk[2]);
+        });
+        result.boundaries.push_back(
+          { static_cast<int>(result.blocks.size()) - 1, 4, { { 0, 0 }, { cells, cells } }, 0 });
+      }
+    }
+  }
+  // First the blocks that are attached face to face: one direction is beyond the cuboid.
+  for (const bool faceToFace : { true, false })
+  {
+    for (std::size_t k = 0; k + 1 < cuts[2].size(); ++k)
+    {
+      for (std::size_t j = 0; j + 1 < cuts[1].size(); ++j)
+      {
+        for (std::size_t i = 0; i + 1 < cuts[0].size(); ++i)
+        {
+          const Ijk piece{ int(i), int(j), int(k) };
+          int inner = 0;
+          for (int d = 0; d < 3; ++d)
+          {
+            inner += isInner(d, piece[d]) ? 1 : 0;
+          }
+          if (inner == 3 || (inner == 2) != faceToFace)
+          {
+            continue;
+          }
+          const Ijk start{ cuts[0][i], cuts[1][j], cuts[2][k] };
+          result.add({ cuts[0][i + 1] - start[0], cuts[1][j + 1] - start[1], cuts[2][k + 1] - start[2] },
+            [&](const Ijk& ijk) { return at(start[0] + ijk[0], start[1] + ijk[1], start[2] + ijk[2]); });
+        }
+      }
+    }
+  }
+  for (std::size_t b = 0; b < result.blocks.size(); ++b)
+  {
+    const MeshCase::Block& block = result.blocks[b];
+    for (int face = 0; face < 6; ++face)
+    {
+      const Ijk n = block.cells();
+      const bsv::FaceRange whole{ { 0, 0 }, { n[bsv::faceAxis(face, 0)], n[bsv::faceAxis(face, 1)] } };
+      bool flat = true;
+      for (int corner = 0; corner < 4; ++corner)
+      {
+        const Ijk at = bsv::facePoint(n, face, corner & 1 ? whole.hi[0] : 0, corner >> 1 ? whole.hi[1] : 0);
+        flat = flat && block.at(at)[2] == 0.0;
+      }
+      if (flat)
+      {
+        result.boundaries.push_back({ static_cast<int>(b), face, whole, 1 });
+      }
+    }
+  }
+  return result;
+}
+
 Vec3 wavy(const Vec3& x)
 {
   return Vec3(x[0] + 0.11 * std::sin(1.1 * x[1]) + 0.07 * std::cos(0.9 * x[2]),

@@ -103,6 +103,15 @@ MeshCase closedShell(const Ijk& cells);
 MeshCase cGrid(int wakeCells, int bodyCells, int j, int k);
 ///@}
 
+/// Half a body in front of its symmetry plane z = 0, in a cuboid [-3, 3] x [-1, 1] x [0, 2] with a far-field extension.
+///
+/// Blocks 0-18 lie between the body (an ellipsoid) and the sides of the cuboid, `layers` cells each, stretched by the
+/// factor `growth` from one to the next; 19-37 are attached to the sides face to face, the cuboid being divided into 3
+/// x 1 x 2; 38-57 touch it by an edge or a corner only. The extension has `layers` cells; the first is `step` times as
+/// large as the cuboid's layers are in the middle of its sides without stretching, the next grow by 1.2. Boundaries:
+/// "wall", "symmetry"; those of the far field have no name.
+MeshCase extendedCuboid(int cells, int layers, double step, double growth = 1.0);
+
 /// A smooth, invertible, curved map of about [-3, 3]^3.
 Vec3 wavy(const Vec3& x);
 

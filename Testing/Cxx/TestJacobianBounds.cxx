@@ -12,7 +12,8 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <cstdlib>
 #include <limits>
@@ -84,8 +85,8 @@ Rational basis(int degree, const std::vector<double>& knots, int i, int s, const
   Rational sum = 0;
   if (knots[i + degree] > knots[i])
   {
-    sum += (u - Rational(knots[i])) / (Rational(knots[i + degree]) - Rational(knots[i])) *
-      basis(degree - 1, knots, i, s, u);
+    sum +=
+      (u - Rational(knots[i])) / (Rational(knots[i + degree]) - Rational(knots[i])) * basis(degree - 1, knots, i, s, u);
   }
   if (knots[i + degree + 1] > knots[i + 1])
   {
@@ -164,8 +165,8 @@ Rational exactDeterminant(const BSplineVolume& volume, const Ijk& span, const Ve
 }
 
 /// Points at their Greville abscissae (x = u), moved at random by up to `amplitude`.
-Block gridBlock(std::mt19937& random, const std::array<int, 3>& degree,
-  const std::array<std::vector<double>, 3>& knots, double amplitude)
+Block gridBlock(std::mt19937& random, const std::array<int, 3>& degree, const std::array<std::vector<double>, 3>& knots,
+  double amplitude)
 {
   Block block;
   block.volume.degree = degree;
@@ -380,9 +381,8 @@ TEST(JacobianBounds, RandomSpansHaveNoFalseVerdict)
   EXPECT_GT(invalid, done / 20);
   EXPECT_LT(invalid, done / 2);
   EXPECT_LT(undecided, done / 1000);
-  std::printf("%lld spans, %lld invalid, %lld undecided, %lld exact values\n",
-    static_cast<long long>(done), static_cast<long long>(invalid), static_cast<long long>(undecided),
-    static_cast<long long>(exactValues));
+  std::printf("%lld spans, %lld invalid, %lld undecided, %lld exact values\n", static_cast<long long>(done),
+    static_cast<long long>(invalid), static_cast<long long>(undecided), static_cast<long long>(exactValues));
 }
 
 // x(u) with derivative (u - a)^2 + e, on a sheared span: the smallest determinant is that of e.
@@ -475,7 +475,8 @@ TEST(JacobianBounds, AllDegreesRationalOrNot)
       decided[1] += measured.report.invalid;
     }
   }
-  const Block high = gridBlock(random, { 8, 3, 7 }, { Octic, Uniform, { 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1 } }, 0.05);
+  const std::vector<double> septic{ 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1 };
+  const Block high = gridBlock(random, { 8, 3, 7 }, { Octic, Uniform, septic }, 0.05);
   expectTrue(high, measure(high), 2, 10.0, 2);
   EXPECT_GT(decided[0], 100);
   EXPECT_GT(decided[1], 100);
@@ -631,8 +632,8 @@ TEST(JacobianBounds, KernelsOfDifferentDegreesAgree)
       }
       forEach(elevated.counts(), [&](const Ijk& i) {
         // Trilinear blossoms are values at the Greville abscissae.
-        const Vec3 x = evaluate(linear.view(),
-          { double(i[0]) / degree[0], double(i[1]) / degree[1], double(i[2]) / degree[2] });
+        const Vec3 x =
+          evaluate(linear.view(), { double(i[0]) / degree[0], double(i[1]) / degree[1], double(i[2]) / degree[2] });
         elevated.points.insert(elevated.points.end(), x.data(), x.data() + 3);
       });
       const Measured found = measure(elevated);
@@ -688,6 +689,29 @@ TEST(JacobianBounds, ThinLayersAreDecided)
   }
 }
 
+// So thin that rounding on the way to the Bezier points decides: no verdict may rest on it.
+TEST(JacobianBounds, LayersOfTheSizeOfRoundingHaveNoFalseVerdict)
+{
+  std::mt19937 random(15);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  // One span around the origin: its points are rounded as little as possible.
+  const std::vector<double> knots{ -3.1, -2.2, -0.7, 0.0, 1.0, 1.9, 3.3, 4.1 };
+  Index undecided = 0;
+  Index decided = 0;
+  for (int trial = 0; trial < 70; ++trial)
+  {
+    const double thickness = std::pow(10.0, -9 - trial % 7);
+    Block block = gridBlock(random, { 3, 3, 3 }, { knots, knots, knots }, 0.3);
+    transform(block, Eigen::Matrix3d::Identity(), { -0.5, -0.5, -0.5 });
+    transform(block, turn * Eigen::Vector3d(1.0, 1.0, thickness).asDiagonal());
+    const Measured measured = measure(block);
+    expectTrue(block, measured, 1, 10.0, 5);
+    (measured.at(0) == Validity::Undecided ? undecided : decided) += 1;
+  }
+  EXPECT_GT(undecided, 0);
+  EXPECT_GT(decided, 0);
+}
+
 TEST(JacobianBounds, ScaleDoesNotMatter)
 {
   std::mt19937 random(11);
@@ -740,6 +764,13 @@ TEST(JacobianBounds, DegenerateSpansAreNeverValid)
   forEach({ 3, 1, 3 }, [&](const Ijk& i) { EXPECT_NE(face.at(i[0] + 9 * i[2]), Validity::Valid); });
   EXPECT_EQ(changed([&](const Ijk&, Block&, double* x) { copyOf(x, { 0, 0, 0 }); }).report.invalid, 27);
   EXPECT_EQ(changed([&](const Ijk&, Block&, double* x) { x[1] = 0.75; }).report.invalid, 27);
+  // Only numbers that underflow make it flat: that is no proof.
+  const Measured thin = changed([&](const Ijk&, Block&, double* x) {
+    x[0] = std::ldexp(x[0], 200);
+    x[1] = std::ldexp(x[1], 200);
+    x[2] = std::ldexp(x[2], -1000);
+  });
+  EXPECT_EQ(thin.report.invalid, 0);
 }
 
 TEST(JacobianBounds, DepthOnlyDecidesMore)
@@ -760,6 +791,23 @@ TEST(JacobianBounds, DepthOnlyDecidesMore)
     }
   }
   EXPECT_EQ(before, 0);
+}
+
+TEST(JacobianBounds, KeepsTheFirstWitnesses)
+{
+  std::mt19937 random(16);
+  const Block block = cubicBlock(random, { 12, 12, 12 }, 0.6);
+  const Measured all = measure(block);
+  ASSERT_GT(all.report.invalid, 20);
+  JacobianOptions options;
+  options.maxWitnesses = 10;
+  const JacobianReport some = jacobianBounds(block.view(), "block", options, {}, scrambledExecution());
+  EXPECT_EQ(some.invalid, all.report.invalid);
+  ASSERT_EQ(some.witnesses.size(), 10U);
+  for (std::size_t w = 0; w < some.witnesses.size(); ++w)
+  {
+    EXPECT_EQ(some.witnesses[w].span, all.report.witnesses[w].span);
+  }
 }
 
 TEST(JacobianBounds, RefusesWhatItCannotMeasure)

@@ -292,9 +292,10 @@ TEST(Quadflow, RoundTripIsBitForBit)
       std::shuffle(input.boundaries.begin(), input.boundaries.end(), random);
     }
     const QuadflowCase written = makeQuadflowCase(input);
-    for (int variant = 0; variant < 8; ++variant)
+    for (int variant = 0; variant < 16; ++variant)
     {
       QuadflowOptions options;
+      options.binary = (variant & 8) != 0;
       options.indexBase = variant & 1;
       options.unitKnots = (variant & 2) != 0;
       options.separateGeometry = (variant & 4) != 0;
@@ -303,7 +304,7 @@ TEST(Quadflow, RoundTripIsBitForBit)
       const ReadCase read = readCase(path);
       expectSame(written, read.data);
 
-      // And the text again.
+      // And the file again.
       const std::string text = contents(path);
       const std::string geometry = contents(folder / ("case" + std::to_string(variant) + ".bsp"));
       writeQuadflow(read.data, path, options);
@@ -318,7 +319,7 @@ TEST(Quadflow, RoundTripIsBitForBit)
       EXPECT_EQ(written.boundaryNames[3].id, 1);
     }
   }
-  EXPECT_EQ(folder.files(), 12u); // 8 topologies, 4 geometries, nothing temporary
+  EXPECT_EQ(folder.files(), 24u); // 16 topologies, 8 geometries, nothing temporary
 }
 
 TEST(Quadflow, RoundTripOfHardNumbersAndGeneralKnots)
@@ -334,8 +335,13 @@ TEST(Quadflow, RoundTripOfHardNumbersAndGeneralKnots)
     -std::numeric_limits<double>::min(), 0.1, 1.0 / 3.0, 1e22, 1e23, 123456789012345678.0, 5e-324 };
   std::copy(std::begin(hard), std::end(hard), volumes.blocks[0].points.begin());
   const QuadflowCase written = makeQuadflowCase(inputOf(volumes));
-  writeQuadflow(written, folder / "a.qfmb");
-  expectSame(written, readCase(folder / "a.qfmb").data);
+  QuadflowOptions options;
+  for (const bool binary : { false, true })
+  {
+    options.binary = binary;
+    writeQuadflow(written, folder / "a.qfmb", options);
+    expectSame(written, readCase(folder / "a.qfmb").data);
+  }
 }
 
 TEST(Quadflow, UnitKnotsComeBackAsIntegers)
@@ -636,35 +642,142 @@ TEST(Quadflow, DamagedFilesAreErrorsOrValid)
   std::mt19937 random(7);
   const Volumes volumes = fan(3);
   const std::string path = folder / "a.qfmb";
-  writeQuadflow(makeQuadflowCase(inputOf(volumes)), path);
-  const std::string text = contents(path);
-  for (std::size_t length = 0; length + 1 < text.size(); length += 1 + length / 200)
+  for (const bool binary : { false, true })
   {
-    put(path, text.substr(0, length));
-    EXPECT_NE(errorOf(path), "") << length;
+    QuadflowOptions options;
+    options.binary = binary;
+    writeQuadflow(makeQuadflowCase(inputOf(volumes)), path, options);
+    const std::string text = contents(path);
+    for (std::size_t length = 0; length + 1 < text.size(); length += 1 + length / 200)
+    {
+      put(path, text.substr(0, length));
+      EXPECT_NE(errorOf(path), "") << length;
+    }
+    put(path, text.substr(0, text.size() - 1)); // only the last line end is missing
+    EXPECT_EQ(errorOf(path), "");
+    for (int trial = 0; trial < 600; ++trial)
+    {
+      std::string damaged = text;
+      for (int i = 0; i <= trial % 3; ++i)
+      {
+        // Mostly in the topology, which is the smaller part of the text.
+        const std::size_t range = trial % 4 == 0 ? text.size() : text.find("GEOMETRY") + 60;
+        damaged[std::uniform_int_distribution<std::size_t>(0, range - 1)(random)] =
+          "0123456789 -+.:#%e\n\tA\0\xff"[std::uniform_int_distribution<int>(0, 22)(random)];
+      }
+      put(path, damaged);
+      try
+      {
+        const ReadCase read = readCase(path);
+        checkQuadflowCase(read.data);
+      }
+      catch (const Error&)
+      {
+      }
+    }
   }
-  put(path, text.substr(0, text.size() - 1)); // only the last line end is missing
-  EXPECT_EQ(errorOf(path), "");
-  for (int trial = 0; trial < 600; ++trial)
+}
+
+/// The bytes of a binary file up to and including those of the first block's control points, and those behind.
+struct BinaryParts
+{
+  std::string before; ///< up to the number that precedes the control points
+  std::string raw;
+  std::string behind;
+};
+
+BinaryParts binaryParts(const std::string& file, std::size_t controlPoints)
+{
+  const std::string line = "\n points\n";
+  const std::size_t raw = file.find(line) + line.size();
+  const std::size_t size = 8 + 24 * controlPoints;
+  return { file.substr(0, raw), file.substr(raw, size), file.substr(raw + size) };
+}
+
+TEST(Quadflow, ReadsBinaryNumbersOfTheOtherByteOrder)
+{
+  Folder folder;
+  std::mt19937 random(10);
+  Volumes volumes;
+  const std::vector<double> knots = clampedIntegerKnots(3);
+  volumes.blocks.push_back(randomBlock(random, { 3, 3, 3 }, { knots, knots, knots }));
+  const QuadflowCase written = makeQuadflowCase(inputOf(volumes));
+  QuadflowOptions options;
+  options.binary = true;
+  const std::string path = folder / "a.qfmb";
+  writeQuadflow(written, path, options);
+  BinaryParts parts = binaryParts(contents(path), 6 * 6 * 6);
+  for (std::size_t i = 0; i < parts.raw.size(); i += 8)
   {
-    std::string damaged = text;
-    for (int i = 0; i <= trial % 3; ++i)
-    {
-      // Mostly in the topology, which is the smaller part of the text.
-      const std::size_t range = trial % 4 == 0 ? text.size() : text.find("GEOMETRY") + 60;
-      damaged[std::uniform_int_distribution<std::size_t>(0, range - 1)(random)] =
-        "0123456789 -+.:#%e\n\tA\0\xff"[std::uniform_int_distribution<int>(0, 22)(random)];
-    }
-    put(path, damaged);
-    try
-    {
-      const ReadCase read = readCase(path);
-      checkQuadflowCase(read.data);
-    }
-    catch (const Error&)
-    {
-    }
+    std::reverse(parts.raw.begin() + i, parts.raw.begin() + i + 8);
   }
+  const bool little = parts.before.find("little_endian") != std::string::npos;
+  const std::string own = little ? "little" : "big", other = little ? "big" : "little";
+  parts.before.replace(parts.before.find(own), own.size(), other);
+  put(path, parts.before + parts.raw + parts.behind);
+  expectSame(written, readCase(path).data);
+}
+
+TEST(Quadflow, MalformedBinaryFilesAreRefusedByLine)
+{
+  Folder folder;
+  std::mt19937 random(11);
+  Volumes volumes;
+  const std::vector<double> knots = clampedIntegerKnots(3);
+  volumes.blocks.push_back(randomBlock(random, { 3, 3, 3 }, { knots, knots, knots }));
+  const std::string path = folder / "a.qfmb";
+  QuadflowOptions options;
+  options.binary = true;
+  writeQuadflow(makeQuadflowCase(inputOf(volumes)), path, options);
+  const BinaryParts good = binaryParts(contents(path), 6 * 6 * 6);
+  const auto linesOf = [](const std::string& text) { return std::count(text.begin(), text.end(), '\n'); };
+
+  const auto expectError = [&](const std::string& file, long line, const std::string& message) {
+    put(path, file);
+    const std::string error = errorOf(path);
+    EXPECT_NE(error.find("a.qfmb, line " + std::to_string(line) + ": "), std::string::npos) << error;
+    EXPECT_NE(error.find(message), std::string::npos) << error;
+  };
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string text = good.before;
+    return text.replace(text.find(from), from.size(), to) + good.raw + good.behind;
+  };
+  const long points = linesOf(good.before);
+  const long geometry = linesOf(good.before.substr(0, good.before.find("GEOMETRY"))) + 1;
+  const std::string order = good.before.find("little_endian") != std::string::npos ? "little_endian" : "big_endian";
+  const std::string otherOrder = order == "little_endian" ? "big_endian" : "little_endian";
+
+  expectError(replaced("binary", "packed"), geometry, "'binary', 'file' or nothing expected, 'packed' found");
+  expectError(replaced(order, "middle_endian"), geometry, "'little_endian' or 'big_endian' expected");
+  expectError(replaced(" " + order, ""), geometry, "'little_endian' or 'big_endian' expected");
+  expectError(replaced(order, order + " 64"), geometry, "nothing more expected, '64' found");
+  expectError(replaced(order, otherOrder), points, "block 0: the binary numbers do not begin with 1");
+  // The same words, but text behind them, and the other way round.
+  expectError(replaced(" binary " + order, ""), points + 1, "finite number expected");
+  expectError(good.before + "1 2 3\n" + good.behind, geometry + 3, "bytes that follow in the file");
+  // A number of control points that does not fit is refused before memory is asked for.
+  expectError(replaced("ncp 6 6 6", "ncp 600 600 600"), geometry + 3, "bytes that follow in the file");
+  expectError(good.before + good.raw.substr(0, 40), geometry + 3, "bytes that follow in the file");
+  expectError(good.before + good.raw.substr(0, good.raw.size() - 1), points, "the file ends within");
+  expectError(good.before + good.raw, points, "the file ends, but end should follow");
+  // One byte too many, or too few.
+  expectError(good.before + good.raw + "?" + good.behind, points + 1, "'end' expected, '?' found");
+  // Then the line end is part of the last number, which is that of vertex 7.
+  const long vertices = linesOf(good.before.substr(0, good.before.find("VERTICES"))) + 2;
+  expectError(good.before + good.raw.substr(0, good.raw.size() - 1) + good.behind, vertices + 7,
+    "is not the control point at corner 7 of block 0");
+
+  for (const double value : { std::nan(""), HUGE_VAL, -HUGE_VAL })
+  {
+    std::string raw = good.raw;
+    std::memcpy(&raw[8 + 24 * 100 + 8], &value, sizeof value);
+    expectError(good.before + raw + good.behind, points, "block 0: coordinate 1 of control point 100 is not finite");
+  }
+  // A corner that is not its vertex.
+  std::string raw = good.raw;
+  const double value = 0.25;
+  std::memcpy(&raw[8], &value, sizeof value);
+  expectError(good.before + raw + good.behind, vertices, "is not the control point at corner 0 of block 0");
 }
 
 TEST(Quadflow, ReadsBlanksCommentsAndForeignLineEnds)
@@ -695,9 +808,11 @@ TEST(Quadflow, FailuresLeaveTheOldFile)
   const QuadflowCase all = makeQuadflowCase(inputOf(volumes));
   const std::string path = folder / "a.qfmb";
   put(path, "old");
-  for (const bool separate : { false, true })
+  for (int variant = 0; variant < 4; ++variant)
   {
+    const bool separate = variant >= 2;
     QuadflowOptions options;
+    options.binary = variant % 2 != 0;
     options.separateGeometry = separate;
     if (separate)
     {

@@ -292,7 +292,7 @@ Jumps evaluated(const Pair& pair, double s, double t)
 /// The maxima are not exceeded by any of many points, and hardly undershot by the best of them.
 void expectMaxima(const Pair& pair, const Join& join)
 {
-  constexpr int N = 150;
+  constexpr int N = 75;
   // evaluate() looks to the right of knots; this looks to their left, too.
   std::vector<double> places;
   for (int i = 0; i <= N; ++i)
@@ -316,9 +316,9 @@ void expectMaxima(const Pair& pair, const Join& join)
   {
     const double rounding = 1e-11;
     EXPECT_GE(join.worst[kind].value, dense[kind] * (1.0 - 1e-9) - rounding) << "kind " << kind;
-    // Spans are sampled at 1/60 of their length or finer: the samples miss (1/120)^2 / 2 times the relative second
+    // Spans are sampled at 1/30 of their length or finer: the samples miss (1/60)^2 / 2 times the relative second
     // derivative, for which 60 is ample.
-    EXPECT_LE(join.worst[kind].value, dense[kind] * (1.0 + 2e-3) + rounding) << "kind " << kind;
+    EXPECT_LE(join.worst[kind].value, dense[kind] * (1.0 + 1e-2) + rounding) << "kind " << kind;
   }
 }
 
@@ -759,6 +759,35 @@ TEST(Smoothness, ConvertedMeshes)
   }
 }
 
+TEST(Smoothness, BlocksThatMeetThemselves)
+{
+  // A ring of one block is C2 where it closes; its inner face may be collapsed to the axis.
+  for (const double radius : { 0.5, 0.0 })
+  {
+    BlockComplexOptions options;
+    options.allowDegenerate = true;
+    const auto ring = conversioncases::convert(meshcases::oGrid({ 9, 4, 3 }, radius).mesh(), {}, options);
+    const auto interfaces = findVolumeInterfaces(ring.volumes);
+    ASSERT_FALSE(interfaces.empty());
+    const SmoothnessResult result = measureSmoothness(ring.volumes, interfaces);
+    for (const Join& join : result.joins)
+    {
+      for (const JumpMaximum& jump : join.worst)
+      {
+        EXPECT_TRUE(std::isfinite(jump.value) && jump.point.allFinite());
+      }
+    }
+    for (std::size_t n = 0; n < interfaces.size(); ++n)
+    {
+      EXPECT_EQ(interfaces[n].blockA, interfaces[n].blockB);
+      if (radius > 0.0)
+      {
+        EXPECT_EQ(result.joins[n].continuity, Continuity::C2);
+      }
+    }
+  }
+}
+
 TEST(Smoothness, RankingAndTotals)
 {
   auto mesh = meshcases::ring(5, 3, { { 0, 1, 2 }, { 2, 3, 4 } }).apply(meshcases::wavy);
@@ -969,8 +998,9 @@ TEST(Smoothness, BadInput)
     Pair broken = pair;
     broken.b.points[4] = bad;
     const Turned t = turned(broken, {}, {});
-    EXPECT_NE(
-      message(t, { t.contact }, noWall()).find("block 0 face 1 and block 1 face 0 are not finite"), std::string::npos);
+    const std::string text = message(t, { t.contact }, {});
+    EXPECT_NE(text.find("block 1 face"), std::string::npos) << text;
+    EXPECT_NE(text.find("are not finite"), std::string::npos) << text;
     EXPECT_THROW(findVolumeInterfaces(t.volumes()), Error);
   }
 

@@ -441,8 +441,21 @@ def test_wing_tip():
                 points, len(distances), measured.MaximumDistance, measured.RMSDistance, results[points, level][1],
                 measured.MaximumNormalDeviation, max(angles[n] for n in away), field(other, "MaximumDistance")[0]),
                 flush=True)
+        print("%s: largest normal jump at the smooth block borders of the wall %.3g degrees" % (
+            points, smooth_border_jump(volume)), flush=True)
     for part in (0, 1):
         assert results["OnBody", 2][part] < results["ControlNet", 2][part], results
+    # The wall passes through all its mesh points, and these lie on the body.
+    assert results["OnBody", 0][0] < 1e-12, results
+
+
+def smooth_border_jump(volume):
+    """Largest normal jump of the wall where two of its patches meet without a crease."""
+    smoothness = simple.BSplineVolumeSmoothness(Input=volume)
+    smoothness.UpdatePipeline()
+    table = smoothness.GetClientSideObject().GetOutputDataObject(2)
+    kind, jump = table.GetColumnByName("Kind"), table.GetColumnByName("MaximumNormalJump")
+    return max(jump.GetValue(row) for row in range(table.GetNumberOfRows()) if kind.GetValue(row) == "wall border")
 
 
 def away_from_creases(volume, wall, reach=3):

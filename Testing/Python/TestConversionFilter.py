@@ -8,7 +8,7 @@ from bsv_support import (simple, vtk, bits, blocks, client, collection, coordina
                          field, grid, main, names, producer, update, values)
 
 RULES = ["Copied", "Regular", "Boundary", "Symmetry", "PlanarSide", "Body", "BodyExtraordinaryVertex", "Crease",
-         "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer"]
+         "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer", "FarFieldLayer"]
 DEMO = demo_mesh(8)
 _CACHE = {}
 
@@ -56,6 +56,9 @@ def test_properties():
     assert list(proxy.BodyFaces) == []
     assert proxy.PlanarSides == "FarField" and proxy.Twist == "SecondFundamentalForm"
     assert abs(proxy.WallSpacing - 2 / 3) < 1e-15 and proxy.CreaseAngle == 30 and proxy.PlanarTolerance == 1e-6
+    assert proxy.WallSpacingMode == "Constant" and list(proxy.BoundaryWallSpacing) == []
+    assert proxy.WallSpacingArray == "WallSpacing"
+    assert proxy.FarFieldSpacing == "SideAverage" and list(proxy.ExtensionBlocks) == []
     assert proxy.PropagationRange == 8
     assert abs(proxy.MatchTolerance - 0.05) < 1e-15
     assert not proxy.AllowDegenerate and not proxy.UseCreaseAngle
@@ -110,7 +113,7 @@ def test_demo():
     assert list(proxy.ControlPointsPerRule) == list(counts.values())
     assert proxy.NumberOfControlPoints == sum(counts.values()) == sum(b.GetNumberOfPoints() for b in made)
     for rule in RULES:
-        assert (counts[rule] > 0) == (rule != "SingularNode"), counts
+        assert (counts[rule] > 0) == (rule not in ("SingularNode", "FarFieldLayer")), counts
     # Four extraordinary vertices of valence 3 on the body; their twelve patch corners.
     assert counts["BodyExtraordinaryVertex"] >= 12
     assert "4 extraordinary curves of valence 3" in proxy.Report
@@ -201,6 +204,27 @@ def test_options_matter():
                        dict(Twist="Parallelogram"), dict(PropagationRange=0), dict(SymmetryBoundaries=["nothing"])):
         other, _ = update(conversion(DEMO, UseCreaseAngle=1, **properties))
         assert bits(other) != bits(data), properties
+
+
+def test_far_field_spacing():
+    """The extension's first layer follows the last cells before it, 1 long, and not its own, 3 long."""
+    mesh = collection([grid((4, 2, 2), lambda i, j, k: (i, j, k)), grid((3, 2, 2), lambda i, j, k: (4 + 3 * i, j, k))])
+    for b, name in enumerate(("inner", "Extension 1")):
+        mesh.GetMetaData(b).Set(vtk.vtkCompositeDataSet.NAME(), name)
+
+    def first(**properties):
+        proxy = conversion(mesh, **properties)
+        data, warnings = update(proxy)
+        assert not warnings
+        proxy.UpdatePropertyInformation()
+        return blocks(data)[1].GetPoint(1)[0] - 4, rule_counts(data)["FarFieldLayer"], proxy.Report
+
+    for spacing, distance in (("Off", 1), ("SideAverage", 1 / 3), ("PerVertex", 1 / 3)):
+        x, layer, report = first(ExtensionBlocks=["ext*"], FarFieldSpacing=spacing)
+        assert abs(x - distance) < 1e-14 and (layer > 0) == (spacing != "Off")
+        assert ("planar sides with a far-field extension: 1" in report) == (spacing != "Off")
+    # Not recognised, for there is no body; and not planar if no side shall be.
+    assert first()[1] == first(ExtensionBlocks=["ext*"], PlanarSides="None")[1] == 0
 
 
 def test_given_surface():

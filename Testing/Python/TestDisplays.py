@@ -19,9 +19,10 @@ import make_body_case
 import make_demo_mesh
 
 PLUGIN = os.path.dirname(os.environ["BSV_PLUGIN"])
-SOURCES = ("HexBlockMeshReader", "NURBSSurfaceReader", "BSplineVolumeReader", "QuadflowReader")
+SOURCES = ("HexBlockMeshReader", "NURBSSurfaceReader", "BSplineVolumeReader", "QuadflowReader", "WingFuselageSource")
 FILTERS = ("CatmullClarkToBSplineVolume", "HexBlockTopology", "BodyDeviation", "BSplineVolumeSampler",
-           "BSplineVolumeSmoothness", "BSplineVolumeQuality", "BSplineVolumeToBezierCells")
+           "BSplineVolumeSmoothness", "BSplineVolumeQuality", "BSplineVolumeToBezierCells", "WallSpacing")
+WRITERS = ("QuadflowWriter", "NURBSSurfaceWriter")
 
 VIEW = simple.CreateRenderView()
 FOLDER = tempfile.TemporaryDirectory()
@@ -210,7 +211,7 @@ def test_help():
         for name, content in archive.execute("select Name, Data from FileNameTable join FileDataTable on FileId = Id "
                                              "where Name like '%.html'"):
             pages[name] = zlib.decompress(content[4:]).decode()  # Qt puts the length in front
-    for group, proxies in (("sources", SOURCES), ("filters", FILTERS), ("writers", ("QuadflowWriter",))):
+    for group, proxies in (("sources", SOURCES), ("filters", FILTERS), ("writers", WRITERS)):
         for name in proxies:
             proxy = servermanager.ProxyManager().GetPrototypeProxy(group, name)
             page = pages["%s.%s.html" % (group, name)]

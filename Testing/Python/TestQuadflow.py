@@ -100,6 +100,13 @@ def test_options():
                     if separate:
                         os.remove(os.path.join(path, "a.bsp"))
                         assert "Cannot open" in failure(reader(file))
+        simple.SaveData(file, proxy=DEMO)
+        size = os.path.getsize(file)
+        simple.SaveData(file, proxy=DEMO, Binary=1)
+        with open(file, "rb") as saved:
+            assert b"\nGEOMETRY binary %s_endian\n" % sys.byteorder.encode() in saved.read()
+        assert os.path.getsize(file) < size
+        assert content(update(reader(file))[0]) == content(before)
         names_of_boundaries = field(before, "BoundaryNames")
         simple.SaveData(file, proxy=DEMO, BoundaryIds=[names_of_boundaries[1], "42"])
         text = lines(file)

@@ -123,6 +123,12 @@ def test_growth_across_an_interface():
     assert [tuple(round(x, 12) for x in g) for g in a] == [(2, 1, 1)] * 2
     assert [tuple(round(x, 12) for x in g) for g in b] == [(1, 2, 1)] * 2
     assert field(output, "ValidSpans") == [2, 2]
+    # The same without being told.
+    data.GetFieldData().RemoveArray("Interfaces")
+    again, warnings = update(quality(data))
+    assert not warnings
+    for old, new in zip(blocks(output), blocks(again)):
+        assert cell_array(old, "GrowthRatio") == cell_array(new, "GrowthRatio")
 
 
 def test_inverted_span():

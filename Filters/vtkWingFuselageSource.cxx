@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkWingFuselageSource.h"
+
+#include "FilterExecution.h"
+#include "HexBlockData.h"
+#include "MeshCheck.h"
+#include "NURBSSurfaceData.h"
+#include "WingFuselageMesh.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkStructuredGrid.h"
+#include "vtksys/SystemInformation.hxx"
+
+#include <algorithm>
+#include <sstream>
+
+vtkStandardNewMacro(vtkWingFuselageSource);
+
+namespace
+{
+
+/// Every patch as a grid of triangles.
+vtkSmartPointer<vtkPolyData> tessellation(const std::vector<bsv::BodyPatch>& body, const bsv::Execution& run)
+{
+  constexpr int Cells = 64;
+  std::vector<int> patches;
+  std::vector<bsv::Vec2> parameters;
+  std::vector<std::array<int, 3>> triangles;
+  for (int p = 0; p < static_cast<int>(body.size()); ++p)
+  {
+    const int first = static_cast<int>(patches.size());
+    for (int j = 0; j <= Cells; ++j)
+    {
+      for (int i = 0; i <= Cells; ++i)
+      {
+        patches.push_back(p);
+        parameters.emplace_back(double(i) / Cells, double(j) / Cells);
+        if (i < Cells && j < Cells)
+        {
+          const int corner = first + i + (Cells + 1) * j;
+          triangles.push_back({ corner, corner + 1, corner + Cells + 2 });
+          triangles.push_back({ corner, corner + Cells + 2, corner + Cells + 1 });
+        }
+      }
+    }
+  }
+  return bsv::bodySurface(body, patches, parameters, triangles, run);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkWingFuselageSource::vtkWingFuselageSource()
+{
+  this->SetNumberOfInputPorts(0);
+  this->SetNumberOfOutputPorts(2);
+}
+
+//------------------------------------------------------------------------------
+void vtkWingFuselageSource::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Resolution: " << this->Resolution << "\n";
+  os << indent << "Span: " << this->Span << "\n";
+  os << indent << "SweepAngle: " << this->SweepAngle << "\n";
+  os << indent << "FarFieldDistance: " << this->FarFieldDistance << "\n";
+  os << indent << "FirstLayerHeight: " << this->FirstLayerHeight << "\n";
+  os << indent << "GrowthRatio: " << this->GrowthRatio << "\n";
+  os << indent << "NumberOfMeshPoints: " << this->NumberOfMeshPoints << "\n";
+  os << indent << "MinimumScaledJacobian: " << this->MinimumScaledJacobian << "\n";
+}
+
+//------------------------------------------------------------------------------
+int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  auto* mesh = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
+  auto* body = vtkPartitionedDataSetCollection::GetData(outputVector, 1);
+  if (!mesh || !body)
+  {
+    vtkErrorMacro("An output is missing.");
+    return 0;
+  }
+  mesh->Initialize();
+  body->Initialize();
+  this->NumberOfMeshPoints = 0;
+  this->MinimumScaledJacobian = 0.0;
+  return bsv::execute(this, mesh, [&] {
+    bsv::WingFuselageOptions options;
+    options.shape.span = this->Span;
+    options.shape.sweepAngle = this->SweepAngle;
+    options.resolution = this->Resolution;
+    options.farFieldDistance = this->FarFieldDistance;
+    options.firstLayerHeight = this->FirstLayerHeight;
+    options.growthRatio = this->GrowthRatio;
+    const bsv::WingFuselageLayout layout = bsv::wingFuselageLayout(options);
+
+    vtksys::SystemInformation machine;
+    const double gigabytes = static_cast<double>(layout.points()) * 3 * sizeof(double) / 1e9;
+    const double present = static_cast<double>(machine.GetHostMemoryTotal()) * 1024 / 1e9;
+    if (gigabytes > present)
+    {
+      std::ostringstream text;
+      text << "Resolution " << this->Resolution << " needs " << gigabytes << " GB for the points; this machine has "
+           << present << " GB";
+      throw bsv::Error(text.str());
+    }
+
+    const std::vector<bsv::BodyPatch> patches = bsv::wingFuselageBody(options.shape);
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    std::vector<double*> addresses;
+    for (const bsv::Ijk& counts : layout.counts)
+    {
+      vtkNew<vtkDoubleArray> values;
+      values->SetNumberOfComponents(3);
+      values->SetNumberOfTuples(vtkIdType(counts[0]) * counts[1] * counts[2]);
+      vtkNew<vtkPoints> points;
+      points->SetData(values);
+      vtkNew<vtkStructuredGrid> grid;
+      grid->SetDimensions(counts.data());
+      grid->SetPoints(points);
+      grids.push_back(grid);
+      addresses.push_back(values->GetPointer(0));
+    }
+    bsv::wingFuselagePoints(options, patches, addresses, bsv::filterExecution(this, 0.0, 0.5));
+
+    const bsv::Execution run = bsv::filterExecution(this, 0.5, 1.0);
+    double minimum = 1.0;
+    for (std::size_t b = 0; b < addresses.size(); ++b)
+    {
+      run.report(static_cast<double>(b) / static_cast<double>(addresses.size()));
+      minimum = std::min(minimum, bsv::minimumScaledJacobian(bsv::GridView(addresses[b], layout.counts[b]), run));
+    }
+
+    bsv::setBlocks(mesh, grids, layout.names, "Mesh");
+    bsv::setInterfaces(mesh->GetFieldData(), layout.interfaces, layout.counts);
+    bsv::setBoundaries(mesh->GetFieldData(), layout.boundaries, layout.boundaryNames, layout.counts);
+    bsv::setCreases(mesh->GetFieldData(), layout.creases);
+    bsv::setBody(body, patches, std::vector<std::string>(patches.size()), tessellation(patches, run));
+    this->NumberOfMeshPoints = layout.points();
+    this->MinimumScaledJacobian = minimum;
+  });
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The conversion alone, from a block complex to control nets: six blocks around a sphere, whose wall is a body, with
+// eight extraordinary edges, points in double and in single precision; and more and more blocks of 20^3 cells.
+#include "BenchmarkSupport.h"
+#include "MeshSizes.h"
+
+#include "Conversion.h"
+
+namespace
+{
+
+struct Conversion
+{
+  Conversion(const bsv::BlockMesh& mesh)
+    : complex(bsv::buildBlockComplex(mesh))
+  {
+    this->options.roles.assign(this->complex.boundaryNames.size(), bsv::BoundaryRole::Body);
+    for (const bsv::ComplexBlock& block : this->complex.blocks)
+    {
+      const bsv::Index size = bsv::Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
+      this->points.emplace_back(3 * size);
+      this->rules.emplace_back(size);
+      this->nets.push_back({ this->points.back().data(), this->rules.back().data() });
+      this->bytes += 25.0 * size;
+      // A copy of the input to the output.
+      const bsv::GridView& view = block.points;
+      this->meshPoints += view.size();
+      this->copies.push_back({ this->points.back().data(),
+        view.isFloat() ? static_cast<const void*>(view.address<float>(0, 0, 0)) : view.address<double>(0, 0, 0),
+        static_cast<std::size_t>(3 * view.size()) * (view.isFloat() ? sizeof(float) : sizeof(double)) });
+    }
+  }
+
+  bsv::BlockComplex complex;
+  bsv::ConversionOptions options;
+  std::vector<std::vector<double>> points;
+  std::vector<std::vector<std::uint8_t>> rules;
+  std::vector<bsv::ControlNetStorage> nets;
+  std::vector<bsvbench::Copy> copies;
+  double bytes = 0.0;
+  bsv::Index meshPoints = 0;
+};
+
+void run(benchmark::State& state, Conversion& work)
+{
+  const bsv::Execution run = bsvbench::execution(bsvbench::threadsOf(state));
+  const auto convert = [&] { bsv::convertToBSplineVolume(work.complex, work.options, work.nets, run); };
+  bsvbench::reportMemory(state, convert);
+  const double seconds = bsvbench::fastest(state, convert);
+  state.counters["points"] = static_cast<double>(work.meshPoints);
+  bsvbench::report(state, seconds, work.bytes, work.copies);
+}
+
+struct SphereConversion : bsvbench::SphereCase, Conversion
+{
+  SphereConversion(bsv::Index points, bool isFloat)
+    : SphereCase(points, isFloat)
+    , Conversion(this->blocks)
+  {
+  }
+};
+
+void conversion(benchmark::State& state, bool isFloat)
+{
+  const bsv::Index points = bsvbench::pointsOf(state);
+  run(state,
+    bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); }));
+}
+
+struct BoxConversion
+{
+  explicit BoxConversion(bsv::Index points)
+    : mesh(bsvbench::boxOfBlocks(points, 20))
+    , conversion(this->mesh.mesh())
+  {
+  }
+
+  meshcases::MeshCase mesh;
+  Conversion conversion;
+};
+
+void conversionOfBlocks(benchmark::State& state)
+{
+  const bsv::Index points = bsvbench::pointsOf(state);
+  run(state, bsvbench::cached<BoxConversion>(points, [&] { return BoxConversion(points); }).conversion);
+}
+
+void doubleSizes(benchmark::internal::Benchmark* benchmark)
+{
+  bsvbench::sizes(benchmark, 55.0);
+}
+BENCHMARK_CAPTURE(conversion, double, false)->Apply(doubleSizes);
+
+void floatSizes(benchmark::internal::Benchmark* benchmark)
+{
+  bsvbench::sizes(benchmark, 65.0, 7);
+}
+BENCHMARK_CAPTURE(conversion, float, true)->Apply(floatSizes);
+
+BENCHMARK(conversionOfBlocks)->Apply(doubleSizes);
+
+} // namespace
+
+BENCHMARK_MAIN();
