@@ -11,8 +11,8 @@ import numpy as np
 from paraview import simple as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from example_support import (boundary_patches, bounds, convert, data, legend, look, matches, parser, read_mesh, rgb, save,
-                             strings, surface, viewpoint, views)
+from example_support import (boundary_patches, bounds, convert, data, legend, look, matches, parser, read_mesh, rgb,
+                             save, strings, surface, viewpoint, views)
 
 HEIGHT = 600
 

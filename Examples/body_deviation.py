@@ -16,8 +16,8 @@ from paraview import simple as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 import make_body_case
-from example_support import (body_patches, body_viewpoint, bounds, color_range, convert, data, legend, load_plugin, look,
-                             parser, read_mesh, save, show, surface, views)
+from example_support import (body_patches, body_viewpoint, bounds, color_range, convert, data, legend, load_plugin,
+                             look, parser, read_mesh, save, show, surface, views)
 
 HEIGHT = 1000
 WALL = "#d8dde3"
@@ -26,7 +26,7 @@ FULL = 5.0  # degrees: where the colours of the angles end
 
 def parse_arguments():
     arguments = parser(__doc__.split("\n")[0], "body_deviation.png")
-    arguments.add_argument("--cad", metavar="FILE", help="the body: IGES, STEP, BREP or GoTools .g2; needed with --mesh")
+    arguments.add_argument("--cad", metavar="FILE", help="the body: IGES, STEP, BREP or .g2; needed with --mesh")
     arguments.add_argument("--unit", default="As in File", help="length unit of the mesh (default: that of the file)")
     arguments.add_argument("--body-face", type=int, metavar="FACE", choices=range(6),
                            help="face of every block that is the body, where the mesh names no boundaries")

@@ -96,7 +96,8 @@ def main():
     print("To open them in ParaView:\n"
           "  1. start paraview; Tools > Manage Plugins > Load New:\n     %s\n"
           "  2. File > Open a .vtpc or the .qfmb file, Apply\n"
-          "  or File > Open your mesh, Apply, Filters > BSplineVolume > CatmullClark To BSpline Volume, Apply" % os.path.abspath(arguments.plugin))
+          "  or File > Open your mesh, Apply, Filters > BSplineVolume > CatmullClark To BSpline Volume, Apply" %
+          os.path.abspath(arguments.plugin))
 
 
 if __name__ == "__main__":

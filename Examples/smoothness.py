@@ -6,14 +6,14 @@ Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
     pvpython Examples/smoothness.py --mesh wing.xyz --crease-angle 30
 
 Left the blocks, moved apart, in the colour of their worst join; right the interfaces themselves, point by point, with
-the extraordinary curves as tubes. The jump is the angle between the layers on both sides, where they need not kink; around the edges of
-the demonstration's box the layers along its sides turn by 90 degrees.
+the extraordinary curves as tubes. The jump is the angle between the layers on both sides, where they need not kink;
+around the edges of the demonstration's box the layers along its sides turn by 90 degrees.
 """
 import numpy as np
 from paraview import simple as pv
 
-from example_support import (bounds, color_range, convert, data, grids, legend, look, parser, producer, read_mesh, save, show,
-                             views)
+from example_support import (bounds, color_range, convert, data, grids, legend, look, parser, producer, read_mesh, save,
+                             show, views)
 
 HEIGHT = 620
 APART = 0.35  # how far the blocks move from the centre, as a fraction of their distance from it

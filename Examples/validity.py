@@ -61,7 +61,8 @@ def main():
     legend("Validity", left, "")
     for verdict, color in ((1, "#d62629"), (2, "#f2b529")):
         if verdict in verdicts:
-            show(extract_cells(cells, layer[verdicts == verdict]), left, color, NonlinearSubdivisionLevel=4, Opacity=0.7)
+            show(extract_cells(cells, layer[verdicts == verdict]), left, color, NonlinearSubdivisionLevel=4,
+                 Opacity=0.7)
     here = (vtk_to_numpy(witnesses.GetPointData().GetArray("BlockId")) == number) & (indices[:, 2] == k)
     positions = vtk_to_numpy(witnesses.GetPoints().GetData())[here]
     edge = np.linalg.norm(np.ptp(np.reshape(grid.GetBounds(), (3, 2)), axis=1))

@@ -216,7 +216,8 @@ def test_help():
             proxy = servermanager.ProxyManager().GetPrototypeProxy(group, name)
             page = pages["%s.%s.html" % (group, name)]
             documentation = proxy.GetDocumentation()
-            assert all((documentation.GetDescription(), documentation.GetShortHelp(), documentation.GetLongHelp())), name
+            for text in (documentation.GetDescription(), documentation.GetShortHelp(), documentation.GetLongHelp()):
+                assert text, name
             properties = proxy.NewPropertyIterator()
             properties.UnRegister(None)
             properties.Begin()
