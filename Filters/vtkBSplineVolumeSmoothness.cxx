@@ -196,7 +196,6 @@ vtkSmartPointer<vtkPolyData> interfaceSurface(const bsv::Join& join, int id, int
   surface->GetPointData()->SetActiveScalars(ShownMeasure);
   const int continuity = static_cast<int>(join.continuity);
   surface->GetCellData()->AddArray(filled<vtkIntArray>("Continuity", cells, continuity));
-  surface->GetPointData()->SetActiveScalars("LayerJump");
   const auto& sides = join.sides;
   const auto& v = join.valences;
   for (const auto& array :
@@ -244,7 +243,6 @@ void setBlockJumps(vtkPolyData* surface, const bsv::BlockSmoothness& block, int 
   surface->GetCellData()->SetActiveScalars(ShownMeasure);
   both([&](vtkIdType n) { return filled<vtkIntArray>("Continuity", n, static_cast<int>(block.continuity)); });
   both([&](vtkIdType n) { return filled<vtkIntArray>("WorstJoin", n, row); });
-  surface->GetCellData()->SetActiveScalars("LayerJump");
 }
 
 void setParts(vtkPartitionedDataSetCollection* output, const std::vector<vtkSmartPointer<vtkPolyData>>& parts,
@@ -367,7 +365,7 @@ public:
   {
     output->SetPoints(this->Points);
     output->SetLines(this->Lines);
-    output->GetPointData()->SetScalars(this->Valence);
+    output->GetPointData()->AddArray(this->Valence);
     output->GetPointData()->AddArray(this->NormalJump);
     output->GetPointData()->SetActiveScalars("NormalJump");
     for (const auto& array : this->PerCell)

@@ -85,7 +85,7 @@ def test_smoothness():
     # The skins of the blocks would hide the interfaces.
     assert shown(smoothness, 1) is None
     curves = shown(smoothness, 3)
-    assert array_of(curves) == ("POINTS", "Valence") and legend_is_shown(curves)
+    assert array_of(curves) == ("POINTS", "NormalJump") and legend_is_shown(curves)
     # Those who show the blocks see their worst joins.
     skins = simple.Show(simple.OutputPort(smoothness, 1), VIEW)
     assert array_of(skins) == ("CELLS", "LayerJump")
