@@ -24,7 +24,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPartitionedDataSetCol
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
-from convert import boundary_patches, data, grids, matches, points, rgb, strings
+from example_support import boundary_patches, data, grids, matches, points, rgb, strings
 
 WALL = ["wall*"]
 SIZE = [2000, 1200]

@@ -337,7 +337,7 @@ int vtkBSplineVolumeQuality::RequestData(
       block.grid->SetPoints(points);
 
       const auto validity = namedArray<vtkUnsignedCharArray>("Validity", spans);
-      block.grid->GetCellData()->AddArray(validity);
+      block.grid->GetCellData()->SetScalars(validity);
       bsv::JacobianArrays arrays;
       arrays.validity = validity->GetPointer(0);
       arrays.lower = block.add("MinJacobian");

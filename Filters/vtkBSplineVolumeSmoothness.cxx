@@ -69,6 +69,9 @@ const std::vector<Measure>& measures()
   return all;
 }
 
+/// The jump that is shown first: the only one that is small wherever it can be.
+constexpr const char* ShownMeasure = "LayerJump";
+
 /// Name of a jump as a maximum.
 const char* measureName(JumpKind kind)
 {
@@ -190,6 +193,7 @@ vtkSmartPointer<vtkPolyData> interfaceSurface(const bsv::Join& join, int id, int
     const double maximum = largest(measure, [&](int kind) { return join.worst[kind].value; });
     surface->GetFieldData()->AddArray(filled<vtkDoubleArray>(std::string("Maximum") + measure.name, 1, maximum));
   }
+  surface->GetPointData()->SetActiveScalars(ShownMeasure);
   const int continuity = static_cast<int>(join.continuity);
   surface->GetCellData()->AddArray(filled<vtkIntArray>("Continuity", cells, continuity));
   surface->GetPointData()->SetActiveScalars("LayerJump");
@@ -237,6 +241,7 @@ void setBlockJumps(vtkPolyData* surface, const bsv::BlockSmoothness& block, int 
     const double value = largest(measure, [&](int kind) { return block.worst[kind]; });
     both([&](vtkIdType n) { return filled<vtkDoubleArray>(measure.name, n, value); });
   }
+  surface->GetCellData()->SetActiveScalars(ShownMeasure);
   both([&](vtkIdType n) { return filled<vtkIntArray>("Continuity", n, static_cast<int>(block.continuity)); });
   both([&](vtkIdType n) { return filled<vtkIntArray>("WorstJoin", n, row); });
   surface->GetCellData()->SetActiveScalars("LayerJump");
@@ -362,7 +367,7 @@ public:
   {
     output->SetPoints(this->Points);
     output->SetLines(this->Lines);
-    output->GetPointData()->AddArray(this->Valence);
+    output->GetPointData()->SetScalars(this->Valence);
     output->GetPointData()->AddArray(this->NormalJump);
     output->GetPointData()->SetActiveScalars("NormalJump");
     for (const auto& array : this->PerCell)

@@ -189,6 +189,7 @@ struct Samples
     }
     this->Distance->SetName("Distance");
     this->NormalDeviation->SetName("NormalDeviation");
+    data->GetPointData()->SetActiveScalars("Distance");
   }
 
   /// Measures point i against `other`.

@@ -104,6 +104,7 @@ public:
     {
       part->GetCellData()->AddArray(array);
     }
+    part->GetCellData()->SetActiveScalars("Valence");
     return part;
   }
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plays ConvertAndSave.xml in ParaView's window and checks the file that it saved.
+"""Plays recorded events in ParaView's window and checks the files that it saved.
 
-Arguments: the paraview program, the plugin's folder, an empty folder for the files.
+Arguments: the paraview program, the plugin's folder, a folder for the files, the name of the recording.
 """
+import csv
 import os
 import shutil
 import subprocess
@@ -12,32 +13,66 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "..", "Examples"))
 import bsplinevolume
 import make_demo_mesh
+from vtkmodules.vtkIOImage import vtkPNGReader
 
 
-def main(paraview, plugin_folder, folder):
-    shutil.rmtree(folder, ignore_errors=True)
-    mesh = make_demo_mesh.write_demo(folder, 4)
-    saved = os.path.join(folder, "demo.qfmb")
-
-    subprocess.run([paraview, "--dr", "--plugin-search-paths=" + plugin_folder, "--plugins=BSplineVolume",
-                    "--test-directory=" + folder, "--test-script=" + os.path.join(HERE, "ConvertAndSave.xml"), "--exit"],
-                   check=True, timeout=240, env=dict(os.environ, HOME=folder, XDG_RUNTIME_DIR=folder))
-
-    # The same without the window.
+def converted(mesh):
+    """The volume of the mesh file, made without the window."""
     reader = bsplinevolume.vtkHexBlockMeshReader()
     reader.SetFileName(mesh)
     convert = bsplinevolume.vtkCatmullClarkToBSplineVolume()
     convert.SetInputConnection(reader.GetOutputPort())
     convert.Update()
+    return convert
+
+
+def check_ConvertAndSave(mesh, folder):
     reread = bsplinevolume.vtkQuadflowReader()
-    reread.SetFileName(saved)
+    reread.SetFileName(os.path.join(folder, "demo.qfmb"))
     reread.Update()
-    expected, found = convert.GetOutputDataObject(0), reread.GetOutputDataObject(0)
+    expected, found = converted(mesh).GetOutputDataObject(0), reread.GetOutputDataObject(0)
     count = expected.GetNumberOfPartitionedDataSets()
     assert count >= 11 and found.GetNumberOfPartitionedDataSets() == count
     for block in range(count):
         points = [bytes(memoryview(data.GetPartition(block, 0).GetPoints().GetData())) for data in (expected, found)]
         assert points[0] == points[1], "block %d differs" % block
+
+
+def check_Inspect(mesh, folder):
+    # All spans are valid: the picture is full of the colour that Validity has for them.
+    reader = vtkPNGReader()
+    reader.SetFileName(os.path.join(folder, "quality.png"))
+    reader.Update()
+    pixels = reader.GetOutput().GetPointData().GetScalars()
+    green = 0
+    for n in range(0, pixels.GetNumberOfTuples(), 7):
+        red, bright, blue = pixels.GetTuple(n)[:3]
+        green += bright > 1.3 * red and bright > 1.3 * blue
+    assert green > 0.05 * pixels.GetNumberOfTuples() / 7, green
+
+    # The table is that of the filter, the worst join first.
+    smoothness = bsplinevolume.vtkBSplineVolumeSmoothness()
+    volume = converted(mesh)
+    smoothness.SetInputConnection(volume.GetOutputPort())
+    smoothness.Update()
+    joins = smoothness.GetOutputDataObject(2)
+    with open(os.path.join(folder, "joins.csv"), newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == joins.GetNumberOfRows() > 0
+    for row, found in enumerate(rows):
+        for name in ("Continuity", "Kind", "NameA", "NameB"):
+            assert found[name] == joins.GetColumnByName(name).GetValue(row), (row, name)
+        expected = joins.GetColumnByName("MaximumLayerJump").GetValue(row)
+        assert abs(float(found["MaximumLayerJump"]) - expected) <= 1e-4 * max(expected, 1), row  # five digits written
+
+
+def main(paraview, plugin_folder, folder, recording):
+    shutil.rmtree(folder, ignore_errors=True)
+    mesh = make_demo_mesh.write_demo(folder, 4)
+    subprocess.run([paraview, "--dr", "--plugin-search-paths=" + plugin_folder, "--plugins=BSplineVolume",
+                    "--test-directory=" + folder, "--test-script=" + os.path.join(HERE, recording + ".xml"), "--exit"],
+                   check=True, timeout=240, env=dict(os.environ, HOME=folder, XDG_RUNTIME_DIR=folder))
+    globals()["check_" + recording](mesh, folder)
 
 
 if __name__ == "__main__":

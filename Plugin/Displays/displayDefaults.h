@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * What ParaView shows of our outputs before anything was chosen; called when the plugin is loaded.
+ */
+#ifndef displayDefaults_h
+#define displayDefaults_h
+
+#include "BSplineVolumeDisplaysModule.h" // For export macro
+
+namespace bsv
+{
+
+/**
+ * In clients, reads BSplineVolumeSettings.json from the folder of this library: colour tables per array name and
+ * properties of displays. They weigh less than the settings of user and site, and are not saved with them. Without the
+ * file ParaView's own defaults hold.
+ */
+BSPLINEVOLUMEDISPLAYS_EXPORT void loadDisplayDefaults();
+
+} // namespace bsv
+
+#endif

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What ParaView's users meet: what is shown after one Apply, names of blocks, colours, menus, file dialogs, help.
+
+Arguments: the folder of the generated help.
+"""
+import contextlib
+import json
+import os
+import sqlite3
+import sys
+import tempfile
+import zlib
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from bsv_support import simple, vtk, blocks, client, demo_mesh, names, update
+from bsv_support import main as run_tests
+from paraview import servermanager
+import make_body_case
+import make_demo_mesh
+
+PLUGIN = os.path.dirname(os.environ["BSV_PLUGIN"])
+SOURCES = ("HexBlockMeshReader", "NURBSSurfaceReader", "BSplineVolumeReader", "QuadflowReader", "WingFuselageSource")
+FILTERS = ("CatmullClarkToBSplineVolume", "HexBlockTopology", "BodyDeviation", "BSplineVolumeSampler",
+           "BSplineVolumeSmoothness", "BSplineVolumeQuality", "BSplineVolumeToBezierCells", "WallSpacing")
+WRITERS = ("QuadflowWriter", "NURBSSurfaceWriter")
+
+VIEW = simple.CreateRenderView()
+FOLDER = tempfile.TemporaryDirectory()
+MESH = simple.HexBlockMeshReader(FileName=make_demo_mesh.write_demo(FOLDER.name, 4))
+VOLUME = simple.CatmullClarkToBSplineVolume(Input=MESH, UseCreaseAngle=1)
+
+
+def shown(source, port=0):
+    """Display of an output where ParaView puts it by default, or None."""
+    controller = servermanager.vtkSMParaViewPipelineControllerWithRendering()
+    view = controller.ShowInPreferredView(source.SMProxy, port, VIEW.SMProxy)
+    if view is None:
+        return None
+    assert view == VIEW.SMProxy, view.GetXMLName()
+    return simple.GetDisplayProperties(simple.OutputPort(source, port), VIEW)
+
+
+def array_of(display):
+    return tuple(display.ColorArrayName[:2])
+
+
+def legend_is_shown(display):
+    """After the update of legends that follows each Apply."""
+    manager = servermanager.vtkSMTransferFunctionManager()
+    manager.UpdateScalarBars(VIEW.SMProxy, manager.SHOW_USED_SCALAR_BARS | manager.HIDE_UNUSED_SCALAR_BARS)
+    return servermanager.vtkSMPVRepresentationProxy.IsScalarBarVisible(display.SMProxy, VIEW.SMProxy)
+
+
+def test_control_nets():
+    for source in (MESH, VOLUME):
+        display = shown(source)
+        assert display.Representation == "Control Net"
+        assert not legend_is_shown(display)
+        simple.Render(VIEW)
+        # Lines and points.
+        active = client(display).GetActiveRepresentation()
+        drawn = active.GetActor().GetProperty()
+        assert active.IsA("vtkControlNetRepresentation")
+        assert drawn.GetRepresentation() == 1 and drawn.GetVertexVisibility() == 1
+        size = drawn.GetPointSize()
+        display.PointSize *= 2
+        assert drawn.GetPointSize() == 2 * size > display.LineWidth
+
+
+def test_volumes_of_files():
+    quadflow = os.path.join(FOLDER.name, "volume.qfmb")
+    simple.SaveData(quadflow, proxy=VOLUME)
+    assert shown(simple.QuadflowReader(FileName=quadflow)).Representation == "Control Net"
+
+
+def test_samples():
+    assert shown(simple.BSplineVolumeSampler(Input=VOLUME)).Representation == "Surface"
+
+
+def test_smoothness():
+    smoothness = simple.BSplineVolumeSmoothness(Input=VOLUME)
+    interfaces = shown(smoothness)
+    assert interfaces.Representation == "Surface" and array_of(interfaces) == ("POINTS", "LayerJump")
+    assert legend_is_shown(interfaces)
+    # The skins of the blocks would hide the interfaces.
+    assert shown(smoothness, 1) is None
+    curves = shown(smoothness, 3)
+    assert array_of(curves) == ("POINTS", "Valence") and legend_is_shown(curves)
+    # Those who show the blocks see their worst joins.
+    skins = simple.Show(simple.OutputPort(smoothness, 1), VIEW)
+    assert array_of(skins) == ("CELLS", "LayerJump")
+
+
+def test_quality():
+    quality = simple.BSplineVolumeQuality(Input=VOLUME)
+    display = shown(quality)
+    assert display.Representation == "Surface With Edges" and array_of(display) == ("CELLS", "Validity")
+    table = display.LookupTable
+    assert table.InterpretValuesAsCategories == 1
+    named = dict(zip(table.Annotations[0::2], table.Annotations[1::2]))
+    validity = client(quality).GetOutputDataObject(0).GetFieldData().GetAbstractArray("ValidityNames")
+    assert named == {str(code): validity.GetValue(code) for code in range(3)}
+    assert legend_is_shown(display)
+    assert shown(quality, 1).Representation == "Points"
+
+
+def test_bezier_cells():
+    display = shown(simple.BSplineVolumeToBezierCells(Input=VOLUME))
+    assert display.Representation == "Surface" and display.NonlinearSubdivisionLevel == 3
+    # Other grids keep ParaView's default.
+    assert simple.Show(simple.UnstructuredCellTypes(), VIEW).NonlinearSubdivisionLevel == 1
+
+
+def test_topology():
+    display = shown(simple.HexBlockTopology(Input=MESH))
+    assert display.Representation == "Wireframe" and array_of(display) == ("CELLS", "Valence")
+
+
+def test_deviation():
+    mesh_file, body_file = make_body_case.write_case(FOLDER.name, 4)
+    body = simple.NURBSSurfaceReader(FileName=body_file)
+    volume = simple.CatmullClarkToBSplineVolume(Input=simple.HexBlockMeshReader(FileName=mesh_file), Body=body)
+    deviation = simple.BodyDeviation(Input=volume, Body=body)
+    display = shown(deviation)
+    assert display.Representation == "Surface" and array_of(display) == ("POINTS", "Distance")
+    assert legend_is_shown(display)
+    assert names(client(deviation).GetOutputDataObject(0)) == ["Wall", "Body"]
+    assert all(names(update(body)[0]))
+
+
+def test_blocks_have_names():
+    """As the Multi-block Inspector shows them."""
+    expected = names(update(VOLUME)[0])
+    assert len(set(expected)) == len(expected) > 1 and all(expected)
+    assert all(names(update(MESH)[0]))
+    smoothness, quality = simple.BSplineVolumeSmoothness(Input=VOLUME), simple.BSplineVolumeQuality(Input=VOLUME)
+    assert names(update(quality)[0]) == names(update(simple.BSplineVolumeSampler(Input=VOLUME))[0]) == expected
+    interfaces, _ = update(smoothness)
+    assert all("|" in name for name in names(interfaces)) and len(blocks(interfaces)) == len(names(interfaces))
+    assert names(client(smoothness).GetOutputDataObject(1)) == expected
+    assert names(update(simple.HexBlockTopology(Input=MESH))[0]) == ["Vertices", "Edges", "Faces"]
+
+
+def forget(described):
+    """ParaView keeps imported presets for the next session."""
+    known = servermanager.vtkSMTransferFunctionPresets.GetInstance()
+    for n in reversed(range(known.GetNumberOfPresets())):
+        if known.GetPresetName(n) in [preset["Name"] for preset in described]:
+            assert known.RemovePreset(n)
+
+
+def test_colour_presets():
+    """The presets beside the plugin can be imported, and are what arrays begin with."""
+    file = os.path.join(PLUGIN, "BSplineVolumePresets.json")
+    with open(file) as text:
+        described = json.load(text)
+    assert len(described) == 3
+    known = servermanager.vtkSMTransferFunctionPresets.GetInstance()
+    forget(described)
+    simple.ImportPresets(file)
+    for preset in described:
+        assert known.HasPreset(preset["Name"])
+        for array in preset["Arrays"]:
+            begins_with = simple.GetColorTransferFunction(array)
+            chosen = simple.GetColorTransferFunction("of preset " + preset["Name"])
+            assert chosen.ApplyPreset(preset["Name"], True)
+            if "Annotations" in preset:
+                assert begins_with.InterpretValuesAsCategories == chosen.InterpretValuesAsCategories == 1
+                assert list(begins_with.Annotations) == preset["Annotations"]
+                assert list(begins_with.IndexedColors) == list(chosen.IndexedColors) == preset["IndexedColors"]
+                assert 3 * len(preset["Annotations"]) == 2 * len(preset["IndexedColors"])
+            else:
+                colors = [[table.RGBPoints[n] for n in range(len(table.RGBPoints)) if n % 4]
+                          for table in (begins_with, chosen)]
+                assert colors[0] == colors[1] and begins_with.ColorSpace == chosen.ColorSpace == preset["ColorSpace"]
+    forget(described)
+
+
+def hints(group, name):
+    element = servermanager.ProxyManager().GetPrototypeProxy(group, name).GetHints()
+    return [element.GetNestedElement(n) for n in range(element.GetNumberOfNestedElements())]
+
+
+def test_menus():
+    for group, proxies in (("sources", SOURCES), ("filters", FILTERS)):
+        for name in proxies:
+            menu, = [hint for hint in hints(group, name) if hint.GetName() == "ShowInMenu"]
+            assert menu.GetAttribute("category") == "BSplineVolume", name
+            # Icons of ParaView's own: an image of ours would make the plugin depend on Qt, servers too.
+            assert group == "sources" or menu.GetAttribute("icon").startswith(":/pqWidgets/Icons/"), name
+
+
+def test_file_dialogs():
+    readers = servermanager.vtkSMProxyManager.GetProxyManager().GetReaderFactory()
+    session = servermanager.ActiveConnection.Session
+    offered = readers.GetSupportedFileTypes(session)
+    for description, extensions in (("NURBS surfaces", "igs iges stp step brep g2"), ("B-spline volumes", "g2 mesh"),
+                                    ("Quadflow Topology", "qfmb")):
+        assert description in offered
+        for extension in extensions.split():
+            assert "*." + extension in offered, extension
+    assert readers.CanReadFile(MESH.FileName, session)
+    writers = servermanager.vtkSMProxyManager.GetProxyManager().GetWriterFactory()
+    assert "qfmb" in writers.GetSupportedFileTypes(VOLUME.SMProxy, 0)
+
+
+def test_help():
+    """Every proxy has a page in the plugin's help, on which every property says what it is."""
+    pages = {}
+    with contextlib.closing(sqlite3.connect(os.path.join(HELP, "BSplineVolume.qch"))) as archive:
+        for name, content in archive.execute("select Name, Data from FileNameTable join FileDataTable on FileId = Id "
+                                             "where Name like '%.html'"):
+            pages[name] = zlib.decompress(content[4:]).decode()  # Qt puts the length in front
+    for group, proxies in (("sources", SOURCES), ("filters", FILTERS), ("writers", WRITERS)):
+        for name in proxies:
+            proxy = servermanager.ProxyManager().GetPrototypeProxy(group, name)
+            page = pages["%s.%s.html" % (group, name)]
+            documentation = proxy.GetDocumentation()
+            assert all((documentation.GetDescription(), documentation.GetShortHelp(), documentation.GetLongHelp())), name
+            properties = proxy.NewPropertyIterator()
+            properties.UnRegister(None)
+            properties.Begin()
+            while not properties.IsAtEnd():
+                text = properties.GetProperty().GetDocumentation()
+                assert text and text.GetDescription(), (name, properties.GetKey())
+                if not properties.GetProperty().GetInformationOnly():
+                    assert "<th>%s</th>" % properties.GetPropertyLabel() in page, (name, properties.GetKey())
+                properties.Next()
+
+
+if __name__ == "__main__":
+    HELP = sys.argv[1]
+    run_tests(globals())
