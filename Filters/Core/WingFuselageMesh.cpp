@@ -59,6 +59,34 @@ Steps growingSteps(double first, int growing, int equal, double length)
   return result;
 }
 
+/// Steps that grow from both ends, where they are `end` long, to the middle; by not more than 1.35 times each.
+Steps gradedSteps(double end, int cells, double length)
+{
+  constexpr double MaximumGrowth = 1.35;
+  const auto at = [&](double ratio) {
+    Steps result{ 0.0 };
+    for (int i = 0; i < cells; ++i)
+    {
+      result.push_back(result.back() + std::pow(ratio, std::min(i, cells - 1 - i)));
+    }
+    return result;
+  };
+  double low = 1.0, high = MaximumGrowth;
+  for (int i = 0; i < 100; ++i)
+  {
+    const double middle = 0.5 * (low + high);
+    (length / at(middle).back() > end ? low : high) = middle;
+  }
+  Steps result = at(high);
+  const double scale = length / result.back();
+  for (double& step : result)
+  {
+    step *= scale;
+  }
+  result.back() = length;
+  return result;
+}
+
 /// Sizes of everything.
 struct Plan
 {
@@ -119,7 +147,8 @@ struct Plan
     this->append(1, width, extension(atBox), 1.0);
     const double height = 3.0;
     this->append(2, -height, extension(atBox), -1.0);
-    this->append(2, -height, n, 2.0 * height);
+    // So that the extension finds cells of one height, above the body and beside it.
+    this->append(2, -height, gradedSteps(atBox, n, 2.0 * height), 1.0);
     this->append(2, height, extension(atBox), 1.0);
   }
 
