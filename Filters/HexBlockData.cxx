@@ -19,6 +19,7 @@
 #include <vtkStructuredGrid.h>
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 
 namespace bsv
@@ -480,6 +481,15 @@ void setConnectivity(vtkFieldData* fields, const BlockMesh& mesh)
   setCreases(fields, mesh.creases);
 }
 
+std::string nodeName(const std::string& name)
+{
+  std::string valid = name;
+  // Left out, "block 2.1" would have the name of "block 21".
+  std::replace_if(
+    valid.begin(), valid.end(), [](unsigned char c) { return !std::isalnum(c) && c != '_'; }, '_');
+  return vtkDataAssembly::MakeValidNodeName(valid.c_str());
+}
+
 void setBlocks(vtkPartitionedDataSetCollection* collection,
   const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const std::vector<std::string>& names,
   const char* root)
@@ -487,12 +497,12 @@ void setBlocks(vtkPartitionedDataSetCollection* collection,
   collection->Initialize();
   collection->SetNumberOfPartitionedDataSets(static_cast<unsigned int>(grids.size()));
   vtkNew<vtkDataAssembly> assembly;
-  assembly->SetRootNodeName(vtkDataAssembly::MakeValidNodeName(root).c_str());
+  assembly->SetRootNodeName(nodeName(root).c_str());
   for (unsigned int i = 0; i < grids.size(); ++i)
   {
     collection->SetPartition(i, 0, grids[i]);
     collection->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), names[i].c_str());
-    const int node = assembly->AddNode(vtkDataAssembly::MakeValidNodeName(names[i].c_str()).c_str());
+    const int node = assembly->AddNode(nodeName(names[i]).c_str());
     assembly->AddDataSetIndex(node, i);
     assembly->SetAttribute(node, "label", names[i].c_str());
   }

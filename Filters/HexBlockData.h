@@ -63,6 +63,9 @@ BSPLINEVOLUMEFILTERS_EXPORT void setCreases(vtkFieldData* fields, const std::vec
 /// All of the above for a whole mesh.
 BSPLINEVOLUMEFILTERS_EXPORT void setConnectivity(vtkFieldData* fields, const BlockMesh& mesh);
 
+/// Name of an assembly node for a block, patch or part: what a node name cannot hold becomes an underscore.
+BSPLINEVOLUMEFILTERS_EXPORT std::string nodeName(const std::string& name);
+
 /// Makes `collection` hold one partitioned data set per block, named in its meta data and in a flat assembly with the
 /// root node `root`.
 BSPLINEVOLUMEFILTERS_EXPORT void setBlocks(vtkPartitionedDataSetCollection* collection,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "NURBSSurfaceData.h"
 
+#include "HexBlockData.h"
+
 #include <vtkCellArray.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkDataAssembly.h>
@@ -347,8 +349,7 @@ void setBody(vtkPartitionedDataSetCollection* collection, const std::vector<Body
   for (unsigned int i = 0; i < count; ++i)
   {
     const std::string& name = patches[i].name;
-    const std::string base =
-      vtkDataAssembly::MakeValidNodeName((name.empty() ? "Patch " + std::to_string(i) : name).c_str());
+    const std::string base = nodeName(name.empty() ? "Patch " + std::to_string(i) : name);
     std::string unique = base;
     for (int n = 2; !used.insert(unique).second; ++n)
     {

@@ -3,6 +3,7 @@
 
 #include "BSplineVolumeData.h"
 #include "FilterExecution.h"
+#include "HexBlockData.h"
 #include "Smoothness.h"
 #include "VolumeInterfaces.h"
 
@@ -255,7 +256,7 @@ void setParts(vtkPartitionedDataSetCollection* output, const std::vector<vtkSmar
   {
     output->SetPartition(p, 0, parts[p]);
     output->GetMetaData(p)->Set(vtkCompositeDataSet::NAME(), names[p].c_str());
-    const int node = assembly->AddNode(vtkDataAssembly::MakeValidNodeName(names[p].c_str()).c_str());
+    const int node = assembly->AddNode(bsv::nodeName(names[p]).c_str());
     assembly->AddDataSetIndex(node, p);
     assembly->SetAttribute(node, "label", names[p].c_str());
   }

@@ -26,6 +26,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -71,13 +72,9 @@ public:
   }
 
   /// @param place vtkPolyData::SetVerts, SetLines or SetPolys
-  vtkSmartPointer<vtkPolyData> build(void (vtkPolyData::*place)(vtkCellArray*)) const
+  /// @param width mostBlocks()
+  vtkSmartPointer<vtkPolyData> build(void (vtkPolyData::*place)(vtkCellArray*), std::size_t width) const
   {
-    std::size_t width = 1;
-    for (const EntityData& data : this->Entities)
-    {
-      width = std::max(width, data.blocks.size());
-    }
     const auto ids = this->cellArray<vtkIntArray>("GlobalId");
     const auto classes = this->cellArray<vtkUnsignedCharArray>("Class");
     const auto valences = this->cellArray<vtkIntArray>("Valence");
@@ -124,6 +121,22 @@ private:
   vtkNew<vtkPoints> Points;
   vtkNew<vtkCellArray> Cells;
 };
+
+/// The most blocks that any entity has: edges and faces have no others than their vertices.
+std::size_t mostBlocks(const bsv::BlockComplex& complex)
+{
+  std::size_t most = 1;
+  for (const bsv::ComplexVertex& vertex : complex.vertices)
+  {
+    std::set<int> blocks;
+    for (const bsv::CornerUse& use : vertex.corners)
+    {
+      blocks.insert(use.block);
+    }
+    most = std::max(most, blocks.size());
+  }
+  return most;
+}
 
 /// Lowest boundary tag per vertex and edge.
 struct BoundaryTags
@@ -182,7 +195,7 @@ vtkSmartPointer<vtkPolyData> vertexPart(
     const bsv::ComplexBlock& block = complex.blocks[corners.front().block];
     part.addCell({ part.addPoint(block.points(cornerPoint(block, corners.front().corner))) });
   }
-  return part.build(&vtkPolyData::SetVerts);
+  return part.build(&vtkPolyData::SetVerts, mostBlocks(complex));
 }
 
 vtkSmartPointer<vtkPolyData> edgePart(
@@ -210,7 +223,7 @@ vtkSmartPointer<vtkPolyData> edgePart(
     }
     part.addCell(line);
   }
-  return part.build(&vtkPolyData::SetLines);
+  return part.build(&vtkPolyData::SetLines, mostBlocks(complex));
 }
 
 vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes)
@@ -253,7 +266,7 @@ vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bs
       }
     }
   }
-  return part.build(&vtkPolyData::SetPolys);
+  return part.build(&vtkPolyData::SetPolys, mostBlocks(complex));
 }
 
 vtkSmartPointer<vtkStringArray> stringArray(const char* name, const std::vector<std::string>& values)

@@ -22,7 +22,7 @@
  *   more than one direction meet. A vertex is extraordinary inside a curve of extraordinary edges, and on the boundary
  *   where other than four boundary faces meet away from creases and borders of named boundaries;
  * - `Valence` (int): number of block corners, block edges or block faces that meet there;
- * - `BlockIds` (int, as many components as any entity of that part has blocks): the blocks, ascending, filled with -1.
+ * - `BlockIds` (int, as many components as any entity has blocks): the blocks, ascending, filled with -1.
  *   Blocks are those of the complex, after cutting;
  * - `BoundaryTag` (int): index into `BoundaryNames` of the boundary that the entity lies on, the lowest if there are
  *   several, -1 without one.

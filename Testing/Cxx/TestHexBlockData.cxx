@@ -314,3 +314,11 @@ TEST(HexBlockData, RefusesBadArrays)
   collection->GetFieldData()->AddArray(doubles);
   EXPECT_NE(refusal(collection).find("BoundaryNames"), std::string::npos);
 }
+
+// Blocks are chosen by the paths of their nodes.
+TEST(HexBlockData, DifferentNamesAreDifferentNodes)
+{
+  EXPECT_EQ(bsv::nodeName("wing_upper_1"), "wing_upper_1");
+  EXPECT_NE(bsv::nodeName("block 2.1"), bsv::nodeName("block 21"));
+  EXPECT_NE(bsv::nodeName("a|b"), bsv::nodeName("ab"));
+}
