@@ -136,6 +136,13 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
       run.report(static_cast<double>(b) / static_cast<double>(addresses.size()));
       minimum = std::min(minimum, bsv::minimumScaledJacobian(bsv::GridView(addresses[b], layout.counts[b]), run));
     }
+    if (!(minimum > 0.0))
+    {
+      std::ostringstream text;
+      text << "Resolution " << options.resolution << " is too low for Span " << options.shape.span
+           << " and Sweep Angle " << options.shape.sweepAngle << ": the smallest scaled Jacobian of the cells would be " << minimum;
+      throw bsv::Error(text.str());
+    }
 
     bsv::setBlocks(mesh, grids, layout.names, "Mesh");
     bsv::setInterfaces(mesh->GetFieldData(), layout.interfaces, layout.counts);

@@ -15,8 +15,8 @@
  *
  * Output port 1 (`Body`): the body as nine bicubic B-spline patches and their tessellation (NURBSSurfaceData.h).
  *
- * All scaled Jacobians are positive in the ranges below. With n = Resolution the wall has 26 n^2 cells; time
- * and memory are proportional to the points.
+ * All scaled Jacobians are positive in the ranges below, but for Resolution 2, which is too low for long and highly
+ * swept wings: an error. With n = Resolution the wall has 26 n^2 cells; time and memory are proportional to the points.
  *
  * Properties that do not go together, or more points than the machine can hold, are an error; the outputs are then
  * empty.
@@ -37,7 +37,7 @@ public:
   ///@{
   /**
    * Cells across the leading edge and the nose; twice as many along the chord and the fuselage, three times along the
-   * span. Range [3, 96], default 8. With the other defaults 3 gives 18 thousand points, 8 114 thousand, 20 one million,
+   * span. Range [2, 96], default 8. With the other defaults 2 gives 10 thousand points, 8 114 thousand, 20 one million,
    * 44 ten million and 76 fifty million.
    */
   vtkSetMacro(Resolution, int);

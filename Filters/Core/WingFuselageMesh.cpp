@@ -93,7 +93,7 @@ struct Plan
   explicit Plan(const WingFuselageOptions& options)
   {
     checkWingFuselageShape(options.shape);
-    checkRange("Resolution", options.resolution, 3, 96);
+    checkRange("Resolution", options.resolution, 2, 96);
     checkRange("Far Field Distance", options.farFieldDistance, 2.0, 1000.0);
     checkRange("First Layer Height", options.firstLayerHeight, 1e-7, 0.1);
     checkRange("Growth Ratio", options.growthRatio, 1.02, 2.0);

@@ -30,7 +30,7 @@ struct WingFuselageOptions
 {
   WingFuselageShape shape;
   /// Cells n across the leading edge and the nose; twice as many along the chord and the fuselage, three times along
-  /// the span. All that is not in the growing layers at the wall is refined with it. Range [3, 96]: 18 thousand to 89
+  /// the span. All that is not in the growing layers at the wall is refined with it. Range [2, 96]: 10 thousand to 89
   /// million points with the other defaults.
   int resolution = 8;
   /// From the cuboid to the outer boundary. Range [2, 1000].

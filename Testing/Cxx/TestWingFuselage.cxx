@@ -168,7 +168,7 @@ TEST(WingFuselage, BlockStructure)
 
 TEST(WingFuselage, CellsAreValid)
 {
-  for (const int resolution : { 3, 4, 5, 6, 8, 12, 16, 24 })
+  for (const int resolution : { 2, 3, 4, 5, 6, 8, 12, 16, 24 })
   {
     const Case made(atResolution(resolution));
     const double minimum = made.minimumJacobian();
@@ -201,15 +201,15 @@ TEST(WingFuselage, CellsAreValidAtTheLimits)
 
 TEST(WingFuselage, PointsGrowWithTheResolution)
 {
-  // From 18 thousand to more than 50 million, and never fewer at a higher resolution.
+  // From 10 thousand to more than 50 million, and never fewer at a higher resolution.
   Index before = 0;
-  for (int resolution = 3; resolution <= 96; ++resolution)
+  for (int resolution = 2; resolution <= 96; ++resolution)
   {
     const Index points = wingFuselageLayout(atResolution(resolution)).points();
     EXPECT_GT(points, before) << resolution;
     before = points;
   }
-  EXPECT_LT(wingFuselageLayout(atResolution(3)).points(), 20000);
+  EXPECT_LT(wingFuselageLayout(atResolution(2)).points(), 12000);
   EXPECT_GT(before, 50000000);
   // The wall: per n^2, 2 (1 + 2) patches of the fuselage, 6 (1 + 2) of the wing, the tip 2.
   const WingFuselageLayout layout = wingFuselageLayout(atResolution(10));
@@ -314,7 +314,7 @@ TEST(WingFuselage, BodyHasNoGaps)
 
 TEST(WingFuselage, WallPassesThroughTheBody)
 {
-  for (const int resolution : { 3, 8 })
+  for (const int resolution : { 2, 3, 8 })
   {
     const Case made(atResolution(resolution));
     const BlockMesh mesh = made.mesh();
@@ -405,8 +405,8 @@ TEST(WingFuselage, BadOptions)
     return "";
   };
   const double nan = std::nan("");
-  WingFuselageOptions options = atResolution(2);
-  EXPECT_EQ(message(options), "Resolution 2 is not between 3 and 96");
+  WingFuselageOptions options = atResolution(1);
+  EXPECT_EQ(message(options), "Resolution 1 is not between 2 and 96");
   options = {};
   options.shape.span = 7.0;
   EXPECT_EQ(message(options), "Span 7 is not between 2 and 6");

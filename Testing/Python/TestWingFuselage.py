@@ -226,7 +226,8 @@ def test_threads():
 
 
 def test_errors():
-    for properties, expected in ((dict(Resolution=2), "Resolution 2 is not between 3 and 96"),
+    for properties, expected in ((dict(Resolution=1), "Resolution 1 is not between 2 and 96"),
+                                 (dict(Resolution=2, Span=6, SweepAngle=45), "too low for Span 6 and Sweep Angle 45"),
                                  (dict(Span=1), "Span 1 is not between 2 and 6"),
                                  (dict(Resolution=64, FirstLayerHeight=0.05), "First Layer Height 0.05 is larger")):
         proxy = source(**properties)
