@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Samples of one cubic block at levels 0 to 3, and of its derivative along i at level 3. `points` counts samples.
+// Samples of one cubic block at levels 0 to 3, of its derivative along i at level 3, and its Bezier points. `points`
+// counts what is computed.
 #include "BenchmarkSupport.h"
 
+#include "BezierExtraction.h"
 #include "Sampling.h"
 
 namespace
@@ -51,6 +53,26 @@ void sampling(benchmark::State& state, int level, std::array<int, 3> derivative)
   bsvbench::report(state, seconds, 8.0 * values, { bsvbench::half(samples.data(), values) });
 }
 
+void bezierPoints(benchmark::State& state)
+{
+  const int cells = std::max(1, static_cast<int>(std::lround(std::cbrt(double(bsvbench::pointsOf(state))))) / 3);
+  const Block block({ cells, cells, cells });
+  const std::vector<bsv::BSplineVolume> volumes{ block.volume };
+  const std::vector<bsv::Interface> none;
+  const bsv::Execution run = bsvbench::execution(bsvbench::threadsOf(state));
+  const bsv::Ijk counts = bsv::bezierCounts(block.volume, "block");
+  const std::size_t values = std::size_t(3) * counts[0] * counts[1] * counts[2];
+  std::vector<double> points(values);
+  const auto extract = [&] {
+    const bsv::BezierExtraction extraction(volumes, &none, bsv::BezierCells::Volume, run);
+    extraction.evaluate(points.data(), nullptr, run);
+  };
+  bsvbench::reportMemory(state, extract);
+  const double seconds = bsvbench::fastest(state, extract);
+  state.counters["points"] = static_cast<double>(values / 3);
+  bsvbench::report(state, seconds, 8.0 * values, { bsvbench::half(points.data(), values) });
+}
+
 void sampleSizes(benchmark::internal::Benchmark* benchmark)
 {
   bsvbench::sizes(benchmark, 50.0);
@@ -60,6 +82,7 @@ BENCHMARK_CAPTURE(sampling, level1, 1, { 0, 0, 0 })->Apply(sampleSizes);
 BENCHMARK_CAPTURE(sampling, level2, 2, { 0, 0, 0 })->Apply(sampleSizes);
 BENCHMARK_CAPTURE(sampling, level3, 3, { 0, 0, 0 })->Apply(sampleSizes);
 BENCHMARK_CAPTURE(sampling, level3derivative, 3, { 1, 0, 0 })->Apply(sampleSizes);
+BENCHMARK(bezierPoints)->Apply(sampleSizes);
 
 } // namespace
 
