@@ -481,6 +481,20 @@ void setConnectivity(vtkFieldData* fields, const BlockMesh& mesh)
   setCreases(fields, mesh.creases);
 }
 
+vtkSmartPointer<vtkStructuredGrid> blockGrid(const Ijk& counts, double*& points)
+{
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(vtkIdType(counts[0]) * counts[1] * counts[2]);
+  vtkNew<vtkPoints> owner;
+  owner->SetData(values);
+  auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
+  grid->SetDimensions(counts.data());
+  grid->SetPoints(owner);
+  points = values->GetPointer(0);
+  return grid;
+}
+
 std::string nodeName(const std::string& name)
 {
   std::string valid = name;

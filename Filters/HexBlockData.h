@@ -63,6 +63,10 @@ BSPLINEVOLUMEFILTERS_EXPORT void setCreases(vtkFieldData* fields, const std::vec
 /// All of the above for a whole mesh.
 BSPLINEVOLUMEFILTERS_EXPORT void setConnectivity(vtkFieldData* fields, const BlockMesh& mesh);
 
+/// Grid of `counts` points per direction in double precision, not yet set.
+/// @param[out] points their triples
+BSPLINEVOLUMEFILTERS_EXPORT vtkSmartPointer<vtkStructuredGrid> blockGrid(const Ijk& counts, double*& points);
+
 /// Name of an assembly node for a block, patch or part: what a node name cannot hold becomes an underscore.
 BSPLINEVOLUMEFILTERS_EXPORT std::string nodeName(const std::string& name);
 

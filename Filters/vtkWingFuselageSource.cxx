@@ -7,12 +7,10 @@
 #include "NURBSSurfaceData.h"
 #include "WingFuselageMesh.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSetCollection.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkStructuredGrid.h"
 #include "vtksys/SystemInformation.hxx"
@@ -116,16 +114,8 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     std::vector<double*> addresses;
     for (const bsv::Ijk& counts : layout.counts)
     {
-      vtkNew<vtkDoubleArray> values;
-      values->SetNumberOfComponents(3);
-      values->SetNumberOfTuples(vtkIdType(counts[0]) * counts[1] * counts[2]);
-      vtkNew<vtkPoints> points;
-      points->SetData(values);
-      vtkNew<vtkStructuredGrid> grid;
-      grid->SetDimensions(counts.data());
-      grid->SetPoints(points);
-      grids.push_back(grid);
-      addresses.push_back(values->GetPointer(0));
+      addresses.push_back(nullptr);
+      grids.push_back(bsv::blockGrid(counts, addresses.back()));
     }
     bsv::wingFuselagePoints(options, patches, addresses, bsv::filterExecution(this, 0.0, 0.5));
 

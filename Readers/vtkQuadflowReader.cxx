@@ -6,14 +6,12 @@
 #include "HexBlockData.h"
 #include "QuadflowFormat.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSetCollection.h"
-#include "vtkPoints.h"
 #include "vtkSmartPointer.h"
 #include "vtkStructuredGrid.h"
 #include "vtksys/SystemTools.hxx"
@@ -56,16 +54,9 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
   {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::QuadflowStorage storage = [&](int, const std::array<int, 3>& counts) {
-      vtkNew<vtkDoubleArray> values;
-      values->SetNumberOfComponents(3);
-      values->SetNumberOfTuples(vtkIdType(counts[0]) * counts[1] * counts[2]);
-      vtkNew<vtkPoints> points;
-      points->SetData(values);
-      vtkNew<vtkStructuredGrid> grid;
-      grid->SetDimensions(counts.data());
-      grid->SetPoints(points);
-      grids.push_back(grid);
-      return values->GetPointer(0);
+      double* points = nullptr;
+      grids.push_back(bsv::blockGrid(counts, points));
+      return points;
     };
     const bsv::QuadflowCase all = bsv::readQuadflow(this->FileName, storage, bsv::filterExecution(this));
 

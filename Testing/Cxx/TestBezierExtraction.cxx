@@ -8,7 +8,6 @@
 #include <cstring>
 #include <limits>
 #include <set>
-#include <thread>
 
 using namespace bsv;
 using namespace bsvtest;
@@ -273,21 +272,6 @@ TEST(BezierExtraction, SharedFacesHaveTheSameBitsAndPointsInAllOrientations)
 TEST(BezierExtraction, OrientationAndThreadsDoNotMatter)
 {
   std::mt19937 random(3);
-  Execution scrambled;
-  scrambled.parallelFor = [](Index count, Index, const Execution::Body& body) {
-    const auto work = [&](Index parity) {
-      for (Index i = count - 1; i >= 0; --i)
-      {
-        if (i % 2 == parity)
-        {
-          body(i, i + 1);
-        }
-      }
-    };
-    std::thread other(work, 1);
-    work(0);
-    other.join();
-  };
   for (int trial = 0; trial < 6; ++trial)
   {
     const Block block = randomVolume(random, trial % 2 == 1);
@@ -295,7 +279,7 @@ TEST(BezierExtraction, OrientationAndThreadsDoNotMatter)
     const std::vector<BSplineVolume> plainView = views(plain);
     const BezierExtraction extraction(plainView, nullptr, BezierCells::Volume);
     const Extracted expected = evaluated(extraction);
-    const Extracted threaded = evaluated(extraction, scrambled);
+    const Extracted threaded = evaluated(extraction, scrambledExecution());
     ASSERT_EQ(expected.points, threaded.points);
     ASSERT_EQ(expected.weights, threaded.weights);
     for (const Orientation& o : allOrientations())

@@ -7,7 +7,6 @@
 
 #include <cstring>
 #include <limits>
-#include <thread>
 
 using namespace bsv;
 using namespace bsvtest;
@@ -40,27 +39,6 @@ Samples samplesOf(
 bool sameBits(const double* a, const double* b)
 {
   return std::memcmp(a, b, 3 * sizeof(double)) == 0;
-}
-
-/// Runs ranges of one in two threads, last range first.
-Execution scrambledExecution()
-{
-  Execution run;
-  run.parallelFor = [](Index count, Index, const Execution::Body& body) {
-    const auto work = [&](Index parity) {
-      for (Index i = count - 1; i >= 0; --i)
-      {
-        if (i % 2 == parity)
-        {
-          body(i, i + 1);
-        }
-      }
-    };
-    std::thread other(work, 1);
-    work(0);
-    other.join();
-  };
-  return run;
 }
 
 const std::array<std::array<int, 3>, 4> Derivatives{ { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <thread>
 #include <vector>
 
 namespace bsvtest
@@ -248,6 +249,27 @@ inline Volumes cutLattice(std::mt19937& random, const std::array<std::vector<int
     result.blocks.push_back(std::move(piece.block));
   }
   return result;
+}
+
+/// Runs ranges of `grain` in two threads, last range first.
+inline bsv::Execution scrambledExecution(Index grain = 1)
+{
+  bsv::Execution run;
+  run.parallelFor = [grain](Index count, Index, const bsv::Execution::Body& body) {
+    const auto work = [&](Index parity) {
+      for (Index i = (count - 1) / grain; i >= 0; --i)
+      {
+        if (i % 2 == parity)
+        {
+          body(i * grain, std::min(count, (i + 1) * grain));
+        }
+      }
+    };
+    std::thread other(work, 1);
+    work(0);
+    other.join();
+  };
+  return run;
 }
 
 } // namespace bsvtest

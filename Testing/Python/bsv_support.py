@@ -62,6 +62,17 @@ def failure(proxy):
     return caught["errors"][0]
 
 
+def aborted(proxy):
+    """Stops a filter at its first progress: no error, an empty output."""
+    client(proxy).AddObserver("ProgressEvent", lambda caller, _: caller.SetAbortExecute(1))
+    with messages(proxy) as caught:
+        proxy.UpdatePipeline()
+    assert not caught["errors"]
+    output = client(proxy).GetOutputDataObject(0)
+    assert output.GetNumberOfElements(output.POINT) == 0 and output.GetNumberOfElements(output.CELL) == 0
+    assert not output.IsA("vtkCompositeDataSet") or blocks(output) == []
+
+
 def producer(data):
     """Proxy of a source that gives `data`."""
     source = simple.TrivialProducer()
