@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file FilterExecution.h
-/// Runs the core inside a VTK filter: loops on vtkSMPTools, progress and abort through the vtkAlgorithm.
+/// Runs the core inside a VTK filter: loops on vtkSMPTools, progress and abort through the vtkAlgorithm, the other ranks
+/// through VTK's global controller.
 #pragma once
 
+#include "ControllerRanks.h"
 #include "Types.h"
 
 #include <vtkAlgorithm.h>
@@ -61,6 +63,7 @@ inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, do
       std::rethrow_exception(failure);
     }
   };
+  run.ranks = globalRanks();
   run.progress = [algorithm, first, last](double fraction) {
     algorithm->UpdateProgress(first + fraction * (last - first));
     return !aborted(algorithm);

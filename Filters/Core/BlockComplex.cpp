@@ -125,6 +125,7 @@ private:
           {
             ComplexBlock block;
             block.parent = b;
+            block.rank = parent.rank;
             block.offset = { cuts[0][i], cuts[1][j], cuts[2][k] };
             block.points = parent.points.box(block.offset, { cuts[0][i + 1], cuts[1][j + 1], cuts[2][k + 1] });
             block.leftHanded = this->Check.leftHanded[b];

@@ -88,6 +88,8 @@ struct ComplexFace
 struct ComplexBlock
 {
   GridView points;
+  /// The rank that has them (MeshBlock::rank).
+  int rank = 0;
   std::string name;
   /// Block of the mesh that this piece was cut from, and its first point there.
   int parent = 0;

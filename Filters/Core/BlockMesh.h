@@ -68,6 +68,8 @@ struct MeshBlock
 {
   /// (I+1) x (J+1) x (K+1) points, every count >= 2.
   GridView points;
+  /// The rank that has them; all other ranks have GridView::elsewhere().
+  int rank = 0;
   std::string name;
   /// Sharpness per mesh point, i fastest, or empty. An edge on the outer boundary of the mesh is a crease where both
   /// of its points are infinitely sharp. Allowed: 0 (smooth) and values >= SharpnessInfinite.

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -39,7 +40,11 @@ public:
   }
 };
 
-/// How loops are run and progress is told. Default: sequential and silent.
+class Ranks;
+/// The one of a process that is alone.
+std::shared_ptr<const Ranks> aloneRank();
+
+/// How loops are run, progress is told, and who else takes part. Default: sequential, silent and alone.
 /// No result of the core depends on it.
 struct Execution
 {
@@ -56,6 +61,9 @@ struct Execution
   /// Told the fraction done in [0, 1], from the calling thread only; returns false to abort.
   std::function<bool(double)> progress = [](double) { return true; };
 
+  /// The processes that share the mesh (Ranks.h).
+  std::shared_ptr<const Ranks> ranks = aloneRank();
+
   /// @throws Aborted if the caller wants to stop.
   void report(double fraction) const
   {
@@ -66,12 +74,24 @@ struct Execution
   }
 };
 
+class PointBoxes;
+
 /// View of the points of a structured grid, or of a box of one: float or double triples, i fastest in the grid viewed.
 /// It owns nothing.
+///
+/// Of a grid that another rank has it knows the size, and boxes of points that were fetched (PointExchange.h).
 class GridView
 {
 public:
   GridView() = default;
+
+  /// Grid whose points are on another rank.
+  static GridView elsewhere(const std::array<int, 3>& pointCounts)
+  {
+    return GridView(static_cast<const double*>(nullptr), pointCounts);
+  }
+  /// Grid of which only some boxes are known.
+  explicit GridView(const PointBoxes* boxes);
 
   /// Whole grid of nx * ny * nz points stored contiguously as x y z triples.
   template <typename Real>
@@ -88,6 +108,10 @@ public:
   const std::array<int, 3>& counts() const { return this->Counts; }
   Index size() const { return Index(this->Counts[0]) * this->Counts[1] * this->Counts[2]; }
   bool isFloat() const { return this->IsFloat; }
+  /// Whether all points are here, which address() needs.
+  bool isHere() const { return this->Data != nullptr; }
+  /// Whether point (i, j, k) is known here.
+  bool has(const std::array<int, 3>& ijk) const { return this->isHere() || this->fetched(this->offset(ijk)); }
   /// Distance, in points, between neighbours of direction d in memory.
   Index stride(int d) const { return this->Strides[d]; }
 
@@ -101,8 +125,13 @@ public:
   /// Place of point (i, j, k) in memory, in points: linear in i, j and k.
   Index offset(const std::array<int, 3>& ijk) const { return this->offset(ijk[0], ijk[1], ijk[2]); }
   /// The point at an offset, in double precision.
+  /// @throws Error if it is on another rank and was not fetched.
   Vec3 atOffset(Index offset) const
   {
+    if (!this->Data)
+    {
+      return this->remote(offset);
+    }
     const Index at = 3 * offset;
     if (this->IsFloat)
     {
@@ -120,9 +149,16 @@ public:
   GridView box(const std::array<int, 3>& first, const std::array<int, 3>& last) const
   {
     GridView view = *this;
-    const Index at = 3 * this->offset(first[0], first[1], first[2]);
-    view.Data = this->IsFloat ? static_cast<const void*>(static_cast<const float*>(this->Data) + at)
-                              : static_cast<const void*>(static_cast<const double*>(this->Data) + at);
+    const Index at = this->offset(first[0], first[1], first[2]);
+    if (!this->Data)
+    {
+      view.Start += at;
+    }
+    else
+    {
+      view.Data = this->IsFloat ? static_cast<const void*>(static_cast<const float*>(this->Data) + 3 * at)
+                                : static_cast<const void*>(static_cast<const double*>(this->Data) + 3 * at);
+    }
     for (int d = 0; d < 3; ++d)
     {
       view.Counts[d] = last[d] - first[d] + 1;
@@ -135,11 +171,17 @@ private:
   {
     return i * this->Strides[0] + j * this->Strides[1] + k * this->Strides[2];
   }
+  /// Address of a fetched point, or null.
+  const double* fetched(Index offset) const;
+  Vec3 remote(Index offset) const;
 
   const void* Data = nullptr;
   bool IsFloat = false;
   std::array<int, 3> Counts{ 0, 0, 0 };
   std::array<Index, 3> Strides{ 0, 0, 0 };
+  /// If Data is null: what was fetched, and the view's first point in its grid.
+  const PointBoxes* Boxes = nullptr;
+  Index Start = 0;
 };
 
 } // namespace bsv

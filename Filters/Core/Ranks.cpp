@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks.h"
+
+#include <algorithm>
+
+namespace bsv
+{
+
+std::shared_ptr<const Ranks> aloneRank()
+{
+  static const std::shared_ptr<const Ranks> alone = std::make_shared<Ranks>();
+  return alone;
+}
+
+bool Ranks::any(bool mine) const
+{
+  const std::vector<char> all = this->gatherAll(std::vector<char>{ static_cast<char>(mine) });
+  return std::find(all.begin(), all.end(), 1) != all.end();
+}
+
+std::vector<Ranks::Bytes> Ranks::counted(std::vector<Bytes> parts) const
+{
+  for (int r = 0; r < static_cast<int>(parts.size()); ++r)
+  {
+    this->Received += r == this->rank() ? 0 : static_cast<Index>(parts[r].size());
+  }
+  return parts;
+}
+
+void Ranks::agree(const std::function<void()>& body) const
+{
+  enum Ending : char
+  {
+    Done,
+    Stopped,
+    Failed
+  };
+  Bytes ending{ Done };
+  try
+  {
+    body();
+  }
+  catch (const Aborted&)
+  {
+    ending = { Stopped };
+  }
+  catch (const std::exception& error)
+  {
+    ending = { Failed };
+    for (const char* c = error.what(); *c; ++c)
+    {
+      ending.push_back(*c);
+    }
+  }
+  for (const Bytes& other : this->gather(ending))
+  {
+    if (other.front() == Stopped)
+    {
+      throw Aborted();
+    }
+    if (other.front() == Failed)
+    {
+      throw Error(std::string(other.begin() + 1, other.end()));
+    }
+  }
+}
+
+} // namespace bsv

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Ranks.h
+/// The processes that share a mesh. Each has the points of some of its blocks, and all know of all blocks.
+///
+/// Functions of the core that take an Execution are collective where its `ranks` are several: all ranks call them with the
+/// same options, in the same order.
+#pragma once
+
+#include "Types.h"
+
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace bsv
+{
+
+/// One process of several. This class is the one of a process that is alone; others override the protected methods.
+class Ranks
+{
+public:
+  using Bytes = std::vector<char>;
+
+  virtual ~Ranks() = default;
+  /// This process, 0 <= rank() < size().
+  virtual int rank() const { return 0; }
+  virtual int size() const { return 1; }
+
+  /// @name Collective: every rank calls them
+  ///@{
+  /// What every rank gave, in the order of the ranks.
+  template <typename T>
+  std::vector<std::vector<T>> gather(const std::vector<T>& mine) const
+  {
+    return this->unpacked<T>(this->counted(this->gatherBytes(packed(mine))));
+  }
+  /// The same as one list.
+  template <typename T>
+  std::vector<T> gatherAll(const std::vector<T>& mine) const
+  {
+    std::vector<T> all;
+    for (const std::vector<T>& part : this->gather(mine))
+    {
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+  }
+  /// toRank[r] goes to rank r; returns what came from each.
+  template <typename T>
+  std::vector<std::vector<T>> exchange(const std::vector<std::vector<T>>& toRank) const
+  {
+    std::vector<Bytes> bytes;
+    for (const std::vector<T>& part : toRank)
+    {
+      bytes.push_back(packed(part));
+    }
+    return this->unpacked<T>(this->counted(this->exchangeBytes(std::move(bytes))));
+  }
+  /// Whether it is true on any rank.
+  bool any(bool mine) const;
+  /// Runs `body`, which communicates with no other rank. If it throws on any of them, the exception of the first of these
+  /// is thrown on all, as Error or Aborted.
+  template <typename Body>
+  void together(const Body& body) const
+  {
+    if (this->size() == 1)
+    {
+      body();
+      return;
+    }
+    this->agree(body);
+  }
+  ///@}
+
+  /// Bytes that came from other ranks so far.
+  Index receivedBytes() const { return this->Received; }
+
+protected:
+  virtual std::vector<Bytes> gatherBytes(const Bytes& mine) const { return { mine }; }
+  virtual std::vector<Bytes> exchangeBytes(std::vector<Bytes> toRank) const { return toRank; }
+
+private:
+  template <typename T>
+  static Bytes packed(const std::vector<T>& values)
+  {
+    static_assert(std::is_trivially_copyable<T>::value, "only plain memory can be sent");
+    Bytes bytes(values.size() * sizeof(T));
+    if (!values.empty())
+    {
+      std::memcpy(bytes.data(), static_cast<const void*>(values.data()), bytes.size());
+    }
+    return bytes;
+  }
+  template <typename T>
+  static std::vector<std::vector<T>> unpacked(const std::vector<Bytes>& parts)
+  {
+    std::vector<std::vector<T>> result;
+    for (const Bytes& bytes : parts)
+    {
+      result.emplace_back(bytes.size() / sizeof(T));
+      if (!bytes.empty())
+      {
+        std::memcpy(static_cast<void*>(result.back().data()), bytes.data(), bytes.size());
+      }
+    }
+    return result;
+  }
+  std::vector<Bytes> counted(std::vector<Bytes> parts) const;
+  void agree(const std::function<void()>& body) const;
+
+  mutable Index Received = 0;
+};
+
+} // namespace bsv
