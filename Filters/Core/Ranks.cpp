@@ -65,4 +65,23 @@ void Ranks::agree(const std::function<void()>& body) const
   }
 }
 
+std::vector<int> distributeBlocks(const std::vector<Index>& points, int size)
+{
+  Index total = 0;
+  for (const Index count : points)
+  {
+    total += count;
+  }
+  std::vector<int> ranks;
+  Index before = 0;
+  for (const Index count : points)
+  {
+    // The rank in whose share of all points the middle of the block lies.
+    const double middle = static_cast<double>(before) + 0.5 * static_cast<double>(count);
+    ranks.push_back(total > 0 ? std::min(size - 1, static_cast<int>(size * middle / static_cast<double>(total))) : 0);
+    before += count;
+  }
+  return ranks;
+}
+
 } // namespace bsv

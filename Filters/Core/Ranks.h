@@ -111,4 +111,8 @@ private:
   mutable Index Received = 0;
 };
 
+/// A rank for every block: about as many points on each, and blocks that follow each other together.
+/// @param points number of points per block. @param size number of ranks, at least 1; some may get no block.
+std::vector<int> distributeBlocks(const std::vector<Index>& points, int size);
+
 } // namespace bsv

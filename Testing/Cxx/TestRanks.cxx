@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace
@@ -91,6 +93,24 @@ TEST(Ranks, FetchedPointsAreThoseOfTheOwner)
     EXPECT_EQ(run.ranks->receivedBytes(), 42 * 3 * 8 + 2 * static_cast<bsv::Index>(sizeof(bsv::PointBox)));
   });
   EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
+TEST(Ranks, BlocksAreSharedOutEvenly)
+{
+  const std::vector<bsv::Index> points{ 10, 10, 10, 10, 5, 5, 5, 5, 40 };
+  const std::vector<int> ranks = bsv::distributeBlocks(points, 3);
+  EXPECT_TRUE(std::is_sorted(ranks.begin(), ranks.end()));
+  std::vector<bsv::Index> load(3, 0);
+  for (std::size_t b = 0; b < points.size(); ++b)
+  {
+    load[ranks[b]] += points[b];
+  }
+  // Nobody is off the mean, 33, by more than the largest block.
+  for (const bsv::Index sum : load)
+  {
+    EXPECT_LE(std::abs(static_cast<double>(sum) - 100.0 / 3.0), 40.0);
+  }
+  EXPECT_EQ(bsv::distributeBlocks({ 7 }, 5).size(), 1u);
 }
 
 } // namespace
