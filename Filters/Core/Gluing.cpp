@@ -616,7 +616,8 @@ private:
         different.push_back(all[n]);
       }
     }
-    auto next = this->compare(different, false).begin();
+    const std::vector<Comparison> compared = this->compare(different, false);
+    auto next = compared.begin();
     for (Comparison& result : results)
     {
       result = result.sameBits ? result : *next++;
