@@ -538,35 +538,33 @@ public:
     : Complex(complex)
     , Group(ranks)
   {
-    for (const ComplexBlock& block : complex.blocks)
+    for (int b = 0; b < static_cast<int>(complex.blocks.size()); ++b)
     {
-      this->Values.emplace_back(block.points.size());
+      const ComplexBlock& block = complex.blocks[b];
+      this->Grids.resize(std::max<std::size_t>(this->Grids.size(), block.parent + 1));
+      Index& size = this->Grids[block.parent].size;
+      size = std::max(size, this->place({ b, { block.cells(0), block.cells(1), block.cells(2) } }) + 1);
+    }
+    for (Grid& grid : this->Grids)
+    {
+      grid.offsets = std::make_shared<ChangedPoints>(grid.size);
     }
   }
 
   bool isHere(int block) const { return this->Complex.blocks[block].rank == this->Group.rank(); }
-  bool reaches(int block) const { return !this->Values[block].empty(); }
   /// Makes the displacement of a point at least so large.
   void raise(const PointAt& point, const Displacement& displacement)
   {
-    const auto none = [](Index) { return Displacement(); };
-    Displacement& value = this->Values[point.block].at(this->index(point), none);
-    value = std::max(value, displacement);
-  }
-  /// Calls visit(ijk, offset) for all points of a block that move.
-  template <typename Visit>
-  void forEach(int block, const Visit& visit) const
-  {
-    const Ijk& counts = this->Complex.blocks[block].points.counts();
-    this->Values[block].forEach([&](Index i, const Displacement& displacement) {
-      if (displacement.weight > 0.0)
-      {
-        const Index row = i / counts[0];
-        visit(Ijk{ static_cast<int>(i % counts[0]), static_cast<int>(row % counts[1]),
-                static_cast<int>(row / counts[1]) },
-          displacement.offset);
-      }
-    });
+    Grid& grid = this->Grids[this->Complex.blocks[point.block].parent];
+    const Index at = this->place(point);
+    Vec3& offset = grid.offsets->at(at, [](Index) { return Vec3(Vec3::Zero()); });
+    grid.weights.resize(grid.offsets->slots(), 0.0);
+    double& weight = grid.weights[grid.offsets->slot(at)];
+    if (Displacement{ weight, offset } < displacement)
+    {
+      weight = displacement.weight;
+      offset = displacement.offset;
+    }
   }
 
   /// Gives all copies of every shared point, on all ranks, the largest of their displacements.
@@ -621,6 +619,46 @@ public:
     }
   }
 
+  /// Moves the points. The offsets become the moved points, which takes no more memory.
+  void apply(BlockComplex& complex)
+  {
+    std::map<int, std::vector<ComplexBlock*>> piecesOf;
+    for (int b = 0; b < static_cast<int>(complex.blocks.size()); ++b)
+    {
+      if (this->reaches(b))
+      {
+        piecesOf[complex.blocks[b].parent].push_back(&complex.blocks[b]);
+      }
+    }
+    for (const auto& [parent, pieces] : piecesOf)
+    {
+      const Grid& grid = this->Grids[parent];
+      ChangedPoints& points = *grid.offsets;
+      const GridView before = pieces.front()->points;
+      const auto unmoved = [&](Index i) { return before.atOffset(i - before.start()); };
+      points.forEach([&](Index i, Vec3& offset) {
+        const Vec3 x = unmoved(i);
+        offset += x;
+        if (grid.weights[points.slot(i)] == 0.0)
+        {
+          offset = x; // keeps the sign of zeros
+        }
+      });
+      for (Index i = 0; before.changes() && i < grid.size; ++i)
+      {
+        if (before.changes()->find(i))
+        {
+          points.at(i, unmoved);
+        }
+      }
+      for (ComplexBlock* piece : pieces)
+      {
+        piece->points = piece->points.changed(&points);
+      }
+      complex.changedPoints.push_back(grid.offsets);
+    }
+  }
+
 private:
   struct Message
   {
@@ -629,11 +667,21 @@ private:
     Triple offset;
   };
 
-  Index index(const PointAt& point) const
+  /// Displacements of a block of the mesh, of which blocks of the complex are pieces, by the points' places in memory.
+  struct Grid
   {
-    const Ijk& counts = this->Complex.blocks[point.block].points.counts();
-    return point.ijk[0] + Index(counts[0]) * (point.ijk[1] + Index(counts[1]) * point.ijk[2]);
+    Index size = 0;
+    std::shared_ptr<ChangedPoints> offsets;
+    /// Per slot of `offsets`.
+    std::vector<double> weights;
+  };
+
+  Index place(const PointAt& point) const
+  {
+    const GridView& points = this->Complex.blocks[point.block].points;
+    return points.start() + points.offset(point.ijk);
   }
+  bool reaches(int block) const { return !this->Grids[this->Complex.blocks[block].parent].weights.empty(); }
   template <typename Use>
   bool reachesAny(const std::vector<Use>& uses) const
   {
@@ -703,8 +751,12 @@ private:
     Displacement largest;
     for (const PointAt& copy : copies)
     {
-      const Displacement* value = this->Values[copy.block].find(this->index(copy));
-      largest = value ? std::max(largest, *value) : largest;
+      const Grid& grid = this->Grids[this->Complex.blocks[copy.block].parent];
+      const Vec3* offset = grid.offsets->find(this->place(copy));
+      if (offset)
+      {
+        largest = std::max(largest, { grid.weights[grid.offsets->slot(this->place(copy))], *offset });
+      }
     }
     if (largest.weight == 0.0)
     {
@@ -727,7 +779,7 @@ private:
 
   const BlockComplex& Complex;
   const Ranks& Group;
-  std::vector<SparseArray<Displacement>> Values;
+  std::vector<Grid> Grids;
 };
 
 /// The mesh line of a wall point, where it enters a block.
@@ -807,49 +859,6 @@ void carry(
       lines.insert(lines.end(), part.begin(), part.end());
     }
   } while (ranks.any(!lines.empty()));
-}
-
-/// Moves points of the blocks of this rank.
-void movePoints(BlockComplex& complex, const Displacements& displacements)
-{
-  std::map<int, std::vector<int>> piecesOf;
-  for (int b = 0; b < static_cast<int>(complex.blocks.size()); ++b)
-  {
-    if (displacements.isHere(b))
-    {
-      piecesOf[complex.blocks[b].parent].push_back(b);
-    }
-  }
-  for (const auto& [parent, pieces] : piecesOf)
-  {
-    if (std::none_of(pieces.begin(), pieces.end(), [&](int b) { return displacements.reaches(b); }))
-    {
-      continue;
-    }
-    // Pieces of one block of the mesh are views of one grid.
-    Index size = 0;
-    for (const int b : pieces)
-    {
-      const GridView& points = complex.blocks[b].points;
-      const Ijk& counts = points.counts();
-      size = std::max(size, points.start() + points.offset({ counts[0] - 1, counts[1] - 1, counts[2] - 1 }) + 1);
-    }
-    const ChangedPoints* before = complex.blocks[pieces.front()].points.changes();
-    const auto moved = before ? std::make_shared<ChangedPoints>(*before) : std::make_shared<ChangedPoints>(size);
-    for (const int b : pieces)
-    {
-      const GridView& points = complex.blocks[b].points;
-      displacements.forEach(b, [&](const Ijk& ijk, const Vec3& offset) {
-        const auto unmoved = [&](Index i) { return points.atOffset(i - points.start()); };
-        moved->at(points.start() + points.offset(ijk), unmoved) = points(ijk) + offset;
-      });
-    }
-    for (const int b : pieces)
-    {
-      complex.blocks[b].points = complex.blocks[b].points.changed(moved.get());
-    }
-    complex.changedPoints.push_back(moved);
-  }
 }
 
 } // namespace
@@ -1061,7 +1070,7 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     report.displacement = std::max(report.displacement, (x[i] - given[i]).norm());
   }
   run.ranks->together([&] {
-    movePoints(complex, displacements);
+    displacements.apply(complex);
     run.report(1.0);
   });
   return report;

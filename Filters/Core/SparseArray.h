@@ -19,7 +19,7 @@ template <typename T>
 class SparseArray
 {
 public:
-  static constexpr Index PageSize = 16;
+  static constexpr Index PageSize = 8;
 
   explicit SparseArray(Index size)
     : Size(size)
@@ -27,17 +27,25 @@ public:
   }
 
   bool empty() const { return this->Pages.empty(); }
-  /// Element i, or null if its page has no memory.
-  const T* find(Index i) const
+  /// Number of elements that have memory.
+  Index slots() const { return PageSize * static_cast<Index>(this->Pages.size()); }
+  /// Place of element i among them, or -1. It never changes.
+  Index slot(Index i) const
   {
     const std::int32_t page = this->Pages.empty() ? -1 : this->PageOf[i / PageSize];
-    return page < 0 ? nullptr : &this->Pages[page][i % PageSize];
+    return page < 0 ? -1 : PageSize * page + i % PageSize;
+  }
+  /// Element i, or null if it has no memory.
+  const T* find(Index i) const
+  {
+    const Index slot = this->slot(i);
+    return slot < 0 ? nullptr : &this->Pages[slot / PageSize][slot % PageSize];
   }
   /// Number of elements from i on, at most `most`, that have no memory or follow each other in it.
   Index run(Index i, Index most) const
   {
     Index end = (i / PageSize + 1) * PageSize;
-    while (!this->find(i) && end < i + most && !this->find(end))
+    while (end < i + most && this->slot(i) < 0 && this->slot(end) < 0)
     {
       end += PageSize;
     }
@@ -65,7 +73,7 @@ public:
 
   /// Calls visit(i, element) for all elements that have memory.
   template <typename Visit>
-  void forEach(const Visit& visit) const
+  void forEach(const Visit& visit)
   {
     for (std::size_t p = 0; p < this->PageOf.size(); ++p)
     {
