@@ -110,6 +110,8 @@ public:
   bool isFloat() const { return this->IsFloat; }
   /// Whether all points are here, which address() needs.
   bool isHere() const { return this->Data != nullptr; }
+  /// Whether none of the points is known here.
+  bool isElsewhere() const { return !this->Data && !this->Boxes; }
   /// Whether point (i, j, k) is known here.
   bool has(const std::array<int, 3>& ijk) const { return this->isHere() || this->fetched(this->offset(ijk)); }
   /// Distance, in points, between neighbours of direction d in memory.
