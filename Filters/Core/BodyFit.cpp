@@ -6,7 +6,7 @@
 #include "EntityRules.h"
 #include "LayerRules.h"
 #include "OrderFreeSum.h"
-#include "Ranks.h"
+#include "OwnedValues.h"
 #include "SparseArray.h"
 
 #include <algorithm>
@@ -84,24 +84,12 @@ public:
   /// All points, each from the rank that has it.
   std::vector<Vec3> points(const Ranks& ranks) const
   {
-    std::vector<Triple> mine;
-    for (const PointAt& place : this->Places)
-    {
-      const ComplexBlock& owner = this->Complex.blocks[place.block];
-      if (owner.rank == ranks.rank())
-      {
-        mine.push_back(triple(owner.points(place.ijk)));
-      }
-    }
-    const std::vector<std::vector<Triple>> parts = ranks.gather(mine);
-    std::vector<std::size_t> next(parts.size(), 0);
-    std::vector<Vec3> points;
-    points.reserve(this->Places.size());
-    for (const PointAt& place : this->Places)
-    {
-      const int rank = this->Complex.blocks[place.block].rank;
-      points.push_back(vec3(parts[rank][next[rank]++]));
-    }
+    const auto owner = [&](std::size_t i) -> const ComplexBlock& { return this->Complex.blocks[this->Places[i].block]; };
+    const std::vector<Triple> all = gatherFromOwners<Triple>(
+      ranks, this->Places.size(), [&](std::size_t i) { return owner(i).rank; },
+      [&](std::size_t i) { return triple(owner(i).points(this->Places[i].ijk)); });
+    std::vector<Vec3> points(all.size());
+    std::transform(all.begin(), all.end(), points.begin(), vec3);
     return points;
   }
 

@@ -115,6 +115,8 @@ public:
   bool isFloat() const { return this->IsFloat; }
   /// Whether all points are here, which address() needs.
   bool isHere() const { return this->Data != nullptr; }
+  /// Whether none of the points is known here.
+  bool isElsewhere() const { return !this->Data && !this->Boxes; }
   /// The same view with these points in place of those stored, which it needs to be here.
   GridView changed(const ChangedPoints* points) const
   {
