@@ -514,7 +514,10 @@ void setBlocks(vtkPartitionedDataSetCollection* collection,
   assembly->SetRootNodeName(nodeName(root).c_str());
   for (unsigned int i = 0; i < grids.size(); ++i)
   {
-    collection->SetPartition(i, 0, grids[i]);
+    if (grids[i])
+    {
+      collection->SetPartition(i, 0, grids[i]);
+    }
     collection->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), names[i].c_str());
     const int node = assembly->AddNode(nodeName(names[i]).c_str());
     assembly->AddDataSetIndex(node, i);
