@@ -7,6 +7,7 @@
 #include "PieceRequest.h"
 #include "WingFuselageMesh.h"
 
+#include "vtkExecutive.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -81,6 +82,21 @@ int vtkWingFuselageSource::RequestInformation(
   for (int port = 0; port < this->GetNumberOfOutputPorts(); ++port)
   {
     outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkWingFuselageSource::RequestUpdateExtent(
+  vtkInformation* request, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  // Both outputs are made at once: who asks for a piece of one shall not get all of the other.
+  vtkInformation* asked = outputVector->GetInformationObject(request->Get(vtkExecutive::FROM_OUTPUT_PORT()));
+  for (int port = 0; asked && port < this->GetNumberOfOutputPorts(); ++port)
+  {
+    vtkInformation* output = outputVector->GetInformationObject(port);
+    output->CopyEntry(asked, vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER());
+    output->CopyEntry(asked, vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES());
   }
   return 1;
 }
