@@ -141,6 +141,21 @@ FitCase cut()
   return result.addWall(0, 4);
 }
 
+/// Eight blocks around a point, one of them on the wall: the others share a face, an edge or a vertex with it.
+FitCase corner()
+{
+  FitCase result("wall of one block of eight", meshcases::cutBox({ 6, 6, 6 }, { { { 3 }, { 3 }, { 3 } } },
+                                                 [](const Vec3& x) { return meshcases::wavy(0.5 * x); }));
+  for (int b = 0; b < 8; ++b)
+  {
+    if (result.mesh->blocks[b].at({ 0, 0, 0 }) == meshcases::wavy(Vec3::Zero()))
+    {
+      result.addWall(b, 4);
+    }
+  }
+  return result;
+}
+
 /// One block that meets itself, its inner side the wall.
 FitCase ringBlock()
 {
@@ -149,7 +164,8 @@ FitCase ringBlock()
 
 std::vector<FitCase> cases()
 {
-  std::vector<FitCase> all{ star(3, 3, false), star(2, 2, true), creased(false), creased(true), cut(), ringBlock() };
+  std::vector<FitCase> all{ star(3, 3, false), star(2, 2, true), creased(false), creased(true), cut(), corner(),
+    ringBlock() };
   all.push_back(star(3, 3, false));
   all.back().name = "shuffled star";
   meshcases::shuffle(*all.back().mesh, 7, true);
@@ -216,9 +232,10 @@ TEST(DistributedBodyFit, SameBitsForAnyDistribution)
     {
       distances = wallDistances(whole, test.conversion, *test.body);
     }
-    for (int size = 1; size <= 5; ++size)
+    for (int n = 0; n < 10; ++n)
     {
-      const std::vector<int> rankOf = scattered(test.mesh->blocks.size(), size, 10 + size);
+      const int size = 1 + n % 5;
+      const std::vector<int> rankOf = scattered(test.mesh->blocks.size(), size, n);
       const auto errors = onRanks(size, [&](const Execution& run) {
         BlockComplex complex = onRank(whole, rankOf, run.ranks->rank());
         const std::string where = test.name + ", rank " + std::to_string(run.ranks->rank()) + " of " + std::to_string(size);
@@ -318,13 +335,13 @@ TEST(DistributedBodyFit, AbortOfOneEndsAll)
   EXPECT_EQ(errors, std::vector<std::string>(3));
 }
 
-// Twice as many cells in each direction are four times as many points of the wall, and eight times as many in all.
+// Twice as many cells in each direction: four times as many of the wall, eight times as many in all.
 TEST(DistributedBodyFit, TrafficGrowsWithTheWall)
 {
   std::array<Index, 2> received{ 0, 0 }, points{ 0, 0 }, wallPoints{ 0, 0 };
   for (int n = 0; n < 2; ++n)
   {
-    const FitCase test = star(6 << n, 6 << n, false);
+    const FitCase test = star(6 << n, (14 << n) - 2, false);
     const BlockComplex whole = buildBlockComplex(test.mesh->mesh());
     for (const ComplexBlock& block : whole.blocks)
     {
