@@ -96,7 +96,7 @@ std::string difference(const BSplineVolume& a, int faceA, const BSplineVolume& b
   }
   const int ns = a.count(faceAxis(faceA, 0)) - 1;
   const int nt = a.count(faceAxis(faceA, 1)) - 1;
-  for (int t = 0; t <= nt; ++t)
+  for (int t = 0; a.points && b.points && t <= nt; ++t)
   {
     for (int s = 0; s <= ns; ++s)
     {
@@ -678,7 +678,7 @@ private:
     for (std::size_t b = 0; b < this->All.blocks.size(); ++b)
     {
       const QuadflowBlock& block = this->All.blocks[b];
-      for (int corner = 0; corner < 8; ++corner)
+      for (int corner = 0; block.volume.points && corner < 8; ++corner)
       {
         const QuadflowVertex& vertex = this->All.vertices[block.vertices[corner]];
         if (!sameBits(vertex.position.data(), pointAt(block.volume, cornerPoint(block.volume, corner))))
