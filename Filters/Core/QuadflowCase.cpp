@@ -69,14 +69,13 @@ public:
   /// A face of a block, as 6 * block + face.
   using Face = int;
 
-  /// @param faces that are read here of blocks on other ranks. Collective.
+  /// Collective. @param faces that are read here of blocks on other ranks; a process that is alone gets none.
   ControlPoints(const std::vector<const BSplineVolume*>& volumes, const std::set<Face>& faces, const Ranks& ranks)
   {
     for (const BSplineVolume* volume : volumes)
     {
       const Ijk counts{ volume->count(0), volume->count(1), volume->count(2) };
-      this->Views.push_back(
-        volume->rank == ranks.rank() ? GridView(volume->points, counts) : GridView::elsewhere(counts));
+      this->Views.push_back(volume->points ? GridView(volume->points, counts) : GridView::elsewhere(counts));
     }
     std::vector<PointBox> boxes;
     for (const Face f : faces)
@@ -86,9 +85,12 @@ public:
       box.hi = onFace(volume, f % 6, volume.count(faceAxis(f % 6, 0)) - 1, volume.count(faceAxis(f % 6, 1)) - 1);
       boxes.push_back(box);
     }
-    this->Memory = fetchPoints(
-      boxes, static_cast<int>(volumes.size()), [&](int block) { return volumes[block]->rank; },
-      [this](int block) -> GridView& { return this->Views[block]; }, ranks);
+    if (ranks.size() > 1)
+    {
+      this->Memory = fetchPoints(
+        boxes, static_cast<int>(volumes.size()), [&](int block) { return volumes[block]->rank; },
+        [this](int block) -> GridView& { return this->Views[block]; }, ranks);
+    }
   }
   const GridView& operator[](std::size_t block) const { return this->Views[block]; }
 
@@ -129,7 +131,7 @@ std::vector<std::array<Vec3, 8>> cornerPoints(const std::vector<const BSplineVol
   return result;
 }
 
-/// Why two faces do not meet, or nothing.
+/// Why two faces do not meet, or nothing. Points that are not known are not compared.
 std::string difference(const BSplineVolume& a, const GridView& pointsA, int faceA, const BSplineVolume& b,
   const GridView& pointsB, int faceB, int orientation)
 {
@@ -165,7 +167,8 @@ std::string difference(const BSplineVolume& a, const GridView& pointsA, int face
   }
   const int ns = a.count(faceAxis(faceA, 0)) - 1;
   const int nt = a.count(faceAxis(faceA, 1)) - 1;
-  for (int t = 0; t <= nt; ++t)
+  const bool known = pointsA.has(onFace(a, faceA, 0, 0)) && pointsB.has(onFace(b, faceB, 0, 0));
+  for (int t = 0; known && t <= nt; ++t)
   {
     for (int s = 0; s <= ns; ++s)
     {
@@ -862,20 +865,17 @@ private:
       for (const QuadflowInterface& entry : this->All.interfaces)
       {
         const Interface& c = entry.contact;
-        if (this->isHere(c.blockA))
+        const std::string what = difference(
+          *volumes[c.blockA], points[c.blockA], c.faceA, *volumes[c.blockB], points[c.blockB], c.faceB, c.orientation);
+        if (!what.empty())
         {
-          const std::string what = difference(*volumes[c.blockA], points[c.blockA], c.faceA, *volumes[c.blockB],
-            points[c.blockB], c.faceB, c.orientation);
-          if (!what.empty())
-          {
-            this->fail(entry.line, this->interfaceName(c) + what);
-          }
+          this->fail(entry.line, this->interfaceName(c) + what);
         }
       }
     });
   }
 
-  bool isHere(std::size_t block) const { return this->All.blocks[block].volume.rank == this->RankGroup.rank(); }
+  bool isHere(std::size_t block) const { return this->All.blocks[block].volume.points != nullptr; }
 
   /// The two blocks of every interface see their common face in orientations that agree.
   void orientations() const
