@@ -79,7 +79,7 @@ BSPLINEVOLUMEFILTERS_EXPORT vtkSmartPointer<vtkStructuredGrid> blockGrid(const I
 BSPLINEVOLUMEFILTERS_EXPORT std::string nodeName(const std::string& name);
 
 /// Makes `collection` hold one partitioned data set per block, named in its meta data and in a flat assembly with the
-/// root node `root`. Null grids, blocks on other ranks, are data sets without a partition.
+/// root node `root`. A null grid, of a block that is elsewhere, makes a data set without a partition.
 BSPLINEVOLUMEFILTERS_EXPORT void setBlocks(vtkPartitionedDataSetCollection* collection,
   const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const std::vector<std::string>& names,
   const char* root);

@@ -107,13 +107,15 @@ struct BoxQuery
 class Gluer
 {
 public:
-  Gluer(const BlockMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
+  Gluer(PartialMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
     const BlockComplexOptions& options, const Execution& run)
-    : Mesh(mesh)
+    : Part(mesh)
+    , Mesh(mesh.mesh())
     , Surface(surface)
     , LeftHanded(leftHanded)
     , Options(options)
     , Run(run)
+    , Ranks(*run.ranks)
     , Result(surface)
   {
   }
@@ -125,40 +127,320 @@ public:
     {
       this->takeBoundary(static_cast<int>(n));
     }
-    this->Run.report(0.2);
+    this->report(0.2);
     // Collapsed quadrilaterals, where allowed, must be told from the others one by one.
     if (this->Options.findInterfaces && !this->Options.allowDegenerate)
     {
       this->takeWholeFaces();
     }
-    this->Run.report(0.4);
-    std::vector<Index> open = this->undecided();
+    this->report(0.4);
+    const std::vector<Index> open = this->undecided();
     if (this->Options.findInterfaces && !open.empty())
     {
-      this->mergeEqualPoints(open);
-      std::vector<Index> single = this->pairQuads(open);
-      this->Run.report(0.6);
-      if (this->mergeNearPoints(open, single))
-      {
-        for (Index quad : open)
-        {
-          this->Result.reset(quad);
-        }
-        single = this->pairQuads(open);
-      }
-      this->Run.report(0.8);
-      this->refuseCoveredQuads(single);
-      open = this->undecided();
+      this->search(open);
     }
-    for (Index quad : open)
+    for (Index quad : this->undecided(open))
     {
       this->Result.setBoundary(quad, -1);
     }
-    this->Run.report(1.0);
+    this->report(1.0);
     return std::move(this->Result);
   }
 
 private:
+  bool alone() const { return this->Ranks.size() == 1; }
+
+  void report(double fraction) const
+  {
+    this->Ranks.together([&] { this->Run.report(fraction); });
+  }
+
+  /// Finds what the quadrilaterals meet; those that meet nothing stay undecided.
+  void search(const std::vector<Index>& open)
+  {
+    const std::vector<Index> fetched = this->alone() ? std::vector<Index>() : this->fetchNear(open);
+    const std::vector<Index>& known = this->alone() ? open : fetched;
+    std::vector<Index> single;
+    const auto pair = [&] {
+      this->Ranks.together([&] { this->pairQuads(known); });
+      this->share(known);
+      single = this->undecided(known);
+    };
+    this->mergeEqualPoints(known);
+    pair();
+    this->report(0.6);
+    bool merged = false;
+    this->Ranks.together([&] { merged = this->mergeNearPoints(known, single); });
+    if (this->Ranks.any(merged))
+    {
+      for (Index quad : open)
+      {
+        this->Result.reset(quad);
+      }
+      pair();
+    }
+    this->report(0.8);
+    this->refuseCoveredQuads(single);
+  }
+
+  bool isHere(Index quad) const { return this->Part.isHere(this->Surface.quadAt(quad).block); }
+
+  /// Fetches the quadrilaterals near those that are here: a copy of a point, or what covers a quadrilateral, is not
+  /// further away than the matching tolerance of one of both. Returns the known ones of `open`, ascending.
+  std::vector<Index> fetchNear(const std::vector<Index>& open)
+  {
+    // The open part of every face that is here, and of all faces the box of it inflated by the largest tolerance.
+    struct Reach
+    {
+      Index face;
+      std::array<double, 3> lo, hi;
+      Box box() const { return Box(Vec3(this->lo.data()), Vec3(this->hi.data())); }
+    };
+    std::vector<Reach> reaches;
+    std::vector<FaceRange> ranges;
+    QuadAt at;
+    for (Index quad : open)
+    {
+      at = this->Surface.quadAt(quad, at.block);
+      if (!this->Part.isHere(at.block))
+      {
+        continue;
+      }
+      const Index face = 6 * Index(at.block) + at.face;
+      if (reaches.empty() || reaches.back().face != face)
+      {
+        reaches.push_back({ face, {}, {} });
+        ranges.push_back({ { at.s, at.t }, { at.s + 1, at.t + 1 } });
+      }
+      FaceRange& range = ranges.back();
+      range = { { std::min(range.lo[0], at.s), range.lo[1] }, { std::max(range.hi[0], at.s + 1), at.t + 1 } };
+    }
+    std::vector<double> tolerance(reaches.size(), 0.0);
+    this->Run.parallelFor(static_cast<Index>(reaches.size()), 1, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        const int block = static_cast<int>(reaches[n].face / 6);
+        Box box;
+        for (int t = ranges[n].lo[1]; t <= ranges[n].hi[1]; ++t)
+        {
+          for (int s = ranges[n].lo[0]; s <= ranges[n].hi[0]; ++s)
+          {
+            const Ijk p = facePoint(this->Surface.cells(block), static_cast<int>(reaches[n].face % 6), s, t);
+            box.extend(this->Mesh.blocks[block].points(p));
+            tolerance[n] = std::max(tolerance[n], this->tolerance(block, p));
+          }
+        }
+        for (int d = 0; d < 3; ++d)
+        {
+          reaches[n].lo[d] = box.min()[d] - tolerance[n];
+          reaches[n].hi[d] = box.max()[d] + tolerance[n];
+        }
+      }
+    });
+    std::vector<Reach> others;
+    for (const Reach& reach : this->Ranks.gatherAll(reaches))
+    {
+      if (!this->Part.isHere(static_cast<int>(reach.face / 6)))
+      {
+        others.push_back(reach);
+      }
+    }
+
+    // What the ranks need of each other: one rectangle of points per face and rank.
+    struct Offer
+    {
+      Index face;
+      FaceRange range;
+    };
+    std::vector<Index> slots;
+    std::vector<Box> boxes;
+    for (const Reach& other : others)
+    {
+      slots.push_back(static_cast<Index>(slots.size()));
+      boxes.push_back(other.box());
+    }
+    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
+    std::vector<std::vector<std::pair<int, FaceRange>>> needed(reaches.size());
+    this->Run.parallelFor(static_cast<Index>(reaches.size()), 1, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        std::vector<std::pair<int, Box>> near;
+        const auto visit = [&](Index m) {
+          near.push_back({ this->Part.rankOf(static_cast<int>(others[m].face / 6)), boxes[m] });
+        };
+        BoxQuery<decltype(visit)> query{ reaches[n].box(), visit };
+        Eigen::BVIntersect(tree, query);
+        needed[n] = this->near(reaches[n].face, ranges[n], tolerance[n], near);
+      }
+    });
+    std::vector<std::vector<Offer>> offers(this->Ranks.size());
+    for (std::size_t n = 0; n < needed.size(); ++n)
+    {
+      for (const auto& part : needed[n])
+      {
+        offers[part.first].push_back({ reaches[n].face, part.second });
+      }
+    }
+    std::vector<Offer> offered;
+    for (const std::vector<Offer>& part : this->Ranks.exchange(offers))
+    {
+      offered.insert(offered.end(), part.begin(), part.end());
+    }
+    std::sort(offered.begin(), offered.end(), [](const Offer& a, const Offer& b) { return a.face < b.face; });
+    std::vector<PointBox> wanted;
+    for (const Offer& offer : offered)
+    {
+      // The tolerance of a point needs its neighbours.
+      wanted.push_back(pointsAtFace(
+        this->Mesh, static_cast<int>(offer.face / 6), static_cast<int>(offer.face % 6), offer.range, 2, 1));
+    }
+    this->Part.fetch(wanted);
+
+    std::vector<Index> known;
+    auto next = offered.begin();
+    for (Index quad : open)
+    {
+      at = this->Surface.quadAt(quad, at.block);
+      const Index face = 6 * Index(at.block) + at.face;
+      while (next != offered.end() && next->face < face)
+      {
+        ++next;
+      }
+      if (this->Part.isHere(at.block) ||
+        (next != offered.end() && next->face == face && at.s >= next->range.lo[0] && at.s < next->range.hi[0] &&
+          at.t >= next->range.lo[1] && at.t < next->range.hi[1]))
+      {
+        known.push_back(quad);
+      }
+    }
+    return known;
+  }
+
+  /// Per rank the rectangle of points around the undecided quadrilaterals of a face that are near any of the rank's boxes.
+  std::vector<std::pair<int, FaceRange>> near(
+    Index face, const FaceRange& range, double tolerance, std::vector<std::pair<int, Box>>& boxes) const
+  {
+    std::stable_sort(boxes.begin(), boxes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<std::pair<int, FaceRange>> result;
+    QuadAt at{ static_cast<int>(face / 6), static_cast<int>(face % 6), 0, 0 };
+    for (at.t = range.lo[1]; at.t < range.hi[1] && !boxes.empty(); ++at.t)
+    {
+      for (at.s = range.lo[0]; at.s < range.hi[0]; ++at.s)
+      {
+        if (!this->Result.undecided(this->Surface.quad(at)))
+        {
+          continue;
+        }
+        Box box;
+        for (int c = 0; c < 4; ++c)
+        {
+          box.extend(this->corner(at, c & 1, c >> 1));
+        }
+        box = Box(box.min() - Vec3::Constant(tolerance), box.max() + Vec3::Constant(tolerance));
+        int last = -1;
+        for (const auto& other : boxes)
+        {
+          if (other.first == last || !other.second.intersects(box))
+          {
+            continue;
+          }
+          last = other.first;
+          auto part = std::find_if(result.begin(), result.end(), [&](const auto& r) { return r.first == last; });
+          if (part == result.end())
+          {
+            part = result.insert(part, { last, { { at.s, at.t }, { at.s + 1, at.t + 1 } } });
+          }
+          FaceRange& found = part->second;
+          found = { { std::min(found.lo[0], at.s), found.lo[1] }, { std::max(found.hi[0], at.s + 1), at.t + 1 } };
+        }
+      }
+    }
+    return result;
+  }
+
+  /// Quadrilaterals whose numbers, and whose partners', are linear in two counters.
+  struct Run2D
+  {
+    Index quad, partner;
+    Index count, step;
+    Index rows, quadRow, partnerRow;
+    int orientation;
+  };
+
+  /// Gives all ranks what was found for the quadrilaterals here.
+  void share(const std::vector<Index>& known)
+  {
+    if (this->alone())
+    {
+      return;
+    }
+    std::vector<Run2D> rows;
+    for (Index quad : known)
+    {
+      // The contact of two is told by the rank of the lower one.
+      if (this->Result.undecided(quad) || !this->isHere(quad) ||
+        (!this->Result.boundary(quad) && this->Result.partner(quad) < quad))
+      {
+        continue;
+      }
+      const bool boundary = this->Result.boundary(quad);
+      const Index partner = boundary ? -1 : this->Result.partner(quad);
+      const int orientation = boundary ? 0 : this->Result.orientation(quad);
+      Run2D* last = rows.empty() ? nullptr : &rows.back();
+      if (last && quad == last->quad + last->count && orientation == last->orientation &&
+        boundary == (last->partner < 0) && (last->count == 1 || partner == last->partner + last->count * last->step))
+      {
+        last->step = last->count == 1 ? partner - last->partner : last->step;
+        ++last->count;
+      }
+      else
+      {
+        rows.push_back({ quad, partner, 1, 0, 1, 0, 0, orientation });
+      }
+    }
+    std::vector<Run2D> runs;
+    for (const Run2D& row : rows)
+    {
+      Run2D* last = runs.empty() ? nullptr : &runs.back();
+      if (last && row.count == last->count && row.step == last->step && row.orientation == last->orientation &&
+        (row.partner < 0) == (last->partner < 0) &&
+        (last->rows == 1 ||
+          (row.quad == last->quad + last->rows * last->quadRow &&
+            row.partner == last->partner + last->rows * last->partnerRow)))
+      {
+        last->quadRow = last->rows == 1 ? row.quad - last->quad : last->quadRow;
+        last->partnerRow = last->rows == 1 ? row.partner - last->partner : last->partnerRow;
+        ++last->rows;
+      }
+      else
+      {
+        runs.push_back(row);
+      }
+    }
+    for (Index quad : known)
+    {
+      this->Result.reset(quad);
+    }
+    for (const Run2D& run : this->Ranks.gatherAll(runs))
+    {
+      for (Index n = 0; n < run.rows; ++n)
+      {
+        for (Index m = 0; m < run.count; ++m)
+        {
+          const Index quad = run.quad + n * run.quadRow + m;
+          if (run.partner < 0)
+          {
+            this->Result.setBoundary(quad, -1);
+          }
+          else
+          {
+            this->Result.setContact(quad, run.partner + n * run.partnerRow + m * run.step, run.orientation);
+          }
+        }
+      }
+    }
+  }
+
   /// The largest distance at which the point is one with another, from its own mesh edges.
   double tolerance(int block, const Ijk& p) const
   {
@@ -289,16 +571,57 @@ private:
     return result;
   }
 
-  /// Compares many contacts, in parallel.
-  std::vector<Comparison> compare(const std::vector<Interface>& contacts, bool bitsOnly) const
+  /// Compares many contacts, in parallel; each on the rank of its first block.
+  std::vector<Comparison> compare(const std::vector<Interface>& contacts, bool bitsOnly)
   {
+    std::vector<PointBox> wanted;
+    for (const Interface& contact : contacts)
+    {
+      if (this->Part.isHere(contact.blockA) && !this->Part.isHere(contact.blockB))
+      {
+        // Tolerances need the points next to those of the contact.
+        wanted.push_back(pointsAtFace(this->Mesh, contact.blockB, contact.faceB, contact.rangeB(), bitsOnly ? 1 : 2,
+          bitsOnly ? 0 : 1));
+      }
+    }
+    this->Part.fetch(wanted);
     std::vector<Comparison> results(contacts.size());
     this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
       for (Index n = begin; n < end; ++n)
       {
-        results[n] = this->compare(contacts[n], bitsOnly);
+        if (this->Part.isHere(contacts[n].blockA))
+        {
+          results[n] = this->compare(contacts[n], bitsOnly);
+        }
       }
     });
+    this->Ranks.share(results, [&](Index n) { return this->Part.rankOf(contacts[n].blockA); });
+    return results;
+  }
+
+  /// Compares declared contacts. Mostly one layer of points, which are the same, is all that other ranks must send.
+  std::vector<Comparison> compareDeclared()
+  {
+    const std::vector<Interface>& all = this->Mesh.interfaces;
+    if (this->alone())
+    {
+      return this->compare(all, false);
+    }
+    std::vector<Comparison> results = this->compare(all, true);
+    std::vector<Interface> different;
+    for (std::size_t n = 0; n < all.size(); ++n)
+    {
+      if (!results[n].sameBits)
+      {
+        different.push_back(all[n]);
+      }
+    }
+    const std::vector<Comparison> compared = this->compare(different, false);
+    auto next = compared.begin();
+    for (Comparison& result : results)
+    {
+      result = result.sameBits ? result : *next++;
+    }
     return results;
   }
 
@@ -323,7 +646,7 @@ private:
       }
       this->checkRange(what, contact.blockB, contact.faceB, contact.rangeB());
     }
-    const std::vector<Comparison> compared = this->compare(this->Mesh.interfaces, false);
+    const std::vector<Comparison> compared = this->compareDeclared();
     for (std::size_t n = 0; n < compared.size(); ++n)
     {
       const Interface& contact = this->Mesh.interfaces[n];
@@ -391,6 +714,7 @@ private:
   /// found without a search for the single points.
   void takeWholeFaces()
   {
+    this->gatherCorners();
     const Index faceCount = 6 * Index(this->Surface.blockCount());
     constexpr Index None = -1;
     constexpr Index Several = -2;
@@ -464,10 +788,35 @@ private:
     return true;
   }
 
+  /// Every rank gets the corners of all blocks.
+  void gatherCorners()
+  {
+    if (this->alone())
+    {
+      return;
+    }
+    this->Corners.resize(this->Surface.blockCount());
+    for (int b = 0; b < this->Surface.blockCount(); ++b)
+    {
+      for (int c = 0; c < 8 && this->Part.isHere(b); ++c)
+      {
+        const Ijk& n = this->Surface.cells(b);
+        const Vec3 x = this->Mesh.blocks[b].points(
+          cornerSide(c, 0) * n[0], cornerSide(c, 1) * n[1], cornerSide(c, 2) * n[2]);
+        std::copy(x.data(), x.data() + 3, &this->Corners[b][3 * c]);
+      }
+    }
+    this->Ranks.share(this->Corners, [this](Index b) { return this->Part.rankOf(static_cast<int>(b)); });
+  }
+
   Vec3 faceCornerPoint(Index face, int cs, int ct) const
   {
     const int block = static_cast<int>(face / 6);
     const int side = static_cast<int>(face % 6);
+    if (!this->Corners.empty())
+    {
+      return Vec3(&this->Corners[block][3 * faceCorner(side, cs, ct)]);
+    }
     return this->Mesh.blocks[block].points(facePoint(this->Surface.cells(block), side,
       cs * this->Surface.faceCells(block, side, 0), ct * this->Surface.faceCells(block, side, 1)));
   }
@@ -549,6 +898,20 @@ private:
     return quads;
   }
 
+  /// Those of a list.
+  std::vector<Index> undecided(const std::vector<Index>& quads) const
+  {
+    std::vector<Index> result;
+    for (Index quad : quads)
+    {
+      if (this->Result.undecided(quad))
+      {
+        result.push_back(quad);
+      }
+    }
+    return result;
+  }
+
   /// Calls visit(block, position, surface point) once for every corner of the quadrilaterals, in ascending order.
   template <typename Visit>
   void forEachPoint(const std::vector<Index>& quads, const Visit& visit) const
@@ -599,8 +962,8 @@ private:
     return classes;
   }
 
-  /// Pairs the quadrilaterals with equal classes; returns those without a partner.
-  std::vector<Index> pairQuads(const std::vector<Index>& quads)
+  /// Pairs the quadrilaterals with equal classes.
+  void pairQuads(const std::vector<Index>& quads)
   {
     FirstOccurrence first(static_cast<Index>(quads.size()));
     int hint = 0;
@@ -615,7 +978,7 @@ private:
       {
         if (!this->Options.allowDegenerate)
         {
-          throw Error(this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
+          throw ErrorAt(quad, this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
         }
         this->Result.setBoundary(quad, -1);
         continue;
@@ -636,24 +999,15 @@ private:
       }
       if (!this->Result.undecided(partner))
       {
-        throw Error("ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) +
-          " and " + this->where(at) + " are at the same place near " + text(this->center(at)));
+        throw ErrorAt(quad,
+          "ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) + " and " + this->where(at) + " are at the same place near " + text(this->center(at)));
       }
-      this->Result.setContact(partner, quad, this->orientation(partner, classes));
+      this->Result.setContact(partner, quad, this->orientation(partner, quad, classes));
     }
-    std::vector<Index> single;
-    for (Index quad : quads)
-    {
-      if (this->Result.undecided(quad))
-      {
-        single.push_back(quad);
-      }
-    }
-    return single;
   }
 
-  /// Orientation code from quadrilateral `a` to one with the classes `b`, which are a's in another order.
-  int orientation(Index a, const Key& b) const
+  /// Orientation code from quadrilateral `a` to `quadB` with the classes `b`, which are a's in another order.
+  int orientation(Index a, Index quadB, const Key& b) const
   {
     const Key classes = this->key(this->Surface.quadAt(a));
     for (int code = 0; code < 8; ++code)
@@ -669,10 +1023,15 @@ private:
         return code;
       }
     }
-    throw Error("ambiguous gluing: " + this->where(a) + " shares its four points with a twisted quadrilateral");
+    throw ErrorAt(
+      quadB, "ambiguous gluing: " + this->where(a) + " shares its four points with a twisted quadrilateral");
   }
 
   /// Merges classes of points that are near each other, around quadrilaterals without a partner. True if any were.
+  ///
+  /// Of classes with a point here all members and all near classes are known. Others may be known in part only; they are
+  /// merged with those alone. If nothing is refused on any rank, all that are merged are near each other, so that this is
+  /// enough to know all points of a class.
   bool mergeNearPoints(const std::vector<Index>& quads, const std::vector<Index>& single)
   {
     std::vector<Index> points;
@@ -692,11 +1051,13 @@ private:
     {
       wanted[point] = true;
     }
+    std::vector<char> here(count, false);
     this->forEachPoint(quads, [&](int block, const Ijk& p, Index point) {
       if (wanted[this->Class[point]])
       {
-        double& smallest = tolerance[slotOf(this->Class[point])];
-        smallest = std::min(smallest, this->tolerance(block, p));
+        const Index slot = slotOf(this->Class[point]);
+        tolerance[slot] = std::min(tolerance[slot], this->tolerance(block, p));
+        here[slot] |= this->Part.isHere(block);
       }
     });
 
@@ -719,7 +1080,7 @@ private:
         {
           int found = 0;
           const auto visit = [&](Index m) {
-            if (m > n && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) && found < MostCopies)
+            if (m > n && (here[m] || here[n]) && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) && found < MostCopies)
             {
               chunks[chunk].push_back({ n, m });
               ++found;
@@ -737,7 +1098,8 @@ private:
     {
       if (crowded[n])
       {
-        throw Error("ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) +
+        throw ErrorAt(points[n],
+          "ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) +
           " points within " + text(tolerance[n]) + " of a point of " +
           blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])));
       }
@@ -785,7 +1147,8 @@ private:
       const Index root = merged.find(n);
       if (root != n && extent[root].diagonal().norm() > smallest[root])
       {
-        throw Error("ambiguous gluing near " + text(x[n]) + ": points of " +
+        throw ErrorAt(points[n],
+          "ambiguous gluing near " + text(x[n]) + ": points of " +
           blockLabel(this->Mesh, this->Surface.blockOfPoint(points[root])) + " and " +
           blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])) + " form a chain of width " +
           text(extent[root].diagonal().norm()) + ", allowed is " + text(smallest[root]));
@@ -796,6 +1159,41 @@ private:
   /// Refuses quadrilaterals without a partner that lie on one another face to face: an interface that does not match
   /// node to node. Walls that are merely close are further apart than the matching tolerance.
   void refuseCoveredQuads(const std::vector<Index>& single) const
+  {
+    std::vector<Index> cover;
+    Index first = -1;
+    Index covered = 0;
+    this->Ranks.together([&] {
+      cover = this->covers(single);
+      for (Index n = static_cast<Index>(single.size()) - 1; n >= 0; --n)
+      {
+        if (cover[n] >= 0)
+        {
+          first = n;
+          ++covered;
+        }
+      }
+    });
+    Index onAllRanks = 0;
+    for (Index part : this->Ranks.gatherAll(std::vector<Index>{ covered }))
+    {
+      onAllRanks += part;
+    }
+    this->Ranks.together([&] {
+      if (covered > 0)
+      {
+        const QuadAt a = this->Surface.quadAt(single[first]);
+        const QuadAt b = this->Surface.quadAt(cover[first]);
+        throw ErrorAt(single[first],
+          "non-matching interface: " + this->where(a) + " and " + this->where(b) + " cover each other near " +
+            text(this->center(a)) + " but do not share their points (" + std::to_string(onAllRanks) +
+            " such quadrilaterals); declare them as boundaries if they are no contact");
+      }
+    });
+  }
+
+  /// Per quadrilateral the one that covers its center, or -1 if none does or it is not here.
+  std::vector<Index> covers(const std::vector<Index>& single) const
   {
     const Index count = static_cast<Index>(single.size());
     std::vector<Box> boxes(count);
@@ -823,12 +1221,15 @@ private:
       slots[n] = n;
     }
     const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
-    // Per quadrilateral the one that covers its center, or -1.
     std::vector<Index> cover(count, -1);
     const auto search = [&](Index begin, Index end) {
       for (Index n = begin; n < end; ++n)
       {
         const QuadAt at = this->Surface.quadAt(single[n]);
+        if (!this->Part.isHere(at.block))
+        {
+          continue;
+        }
         const Vec3 x = this->center(at);
         const auto visit = [&](Index m) {
           if (facing(normal[m], normal[n]) && (cover[n] < 0 || single[m] < cover[n]) &&
@@ -850,24 +1251,7 @@ private:
       this->Run.report(0.8 + 0.2 * start / count);
     }
     this->coverByCorners(single, normal, cover);
-    Index first = -1;
-    Index covered = 0;
-    for (Index n = count - 1; n >= 0; --n)
-    {
-      if (cover[n] >= 0)
-      {
-        first = n;
-        ++covered;
-      }
-    }
-    if (covered > 0)
-    {
-      const QuadAt a = this->Surface.quadAt(single[first]);
-      const QuadAt b = this->Surface.quadAt(cover[first]);
-      throw Error("non-matching interface: " + this->where(a) + " and " + this->where(b) +
-        " cover each other near " + text(this->center(a)) + " but do not share their points (" +
-        std::to_string(covered) + " such quadrilaterals); declare them as boundaries if they are no contact");
-    }
+    return cover;
   }
 
   /// On curved faces the centers are apart. There at least a quadrilateral is covered whose corners are all shared with
@@ -891,6 +1275,10 @@ private:
         Index shared = 0;
         Index other = -1;
         const QuadAt quad = this->Surface.quadAt(single[n]);
+        if (!this->Part.isHere(quad.block))
+        {
+          continue;
+        }
         const double size = (this->corner(quad, 0, 0) - this->corner(quad, 1, 1)).norm();
         const auto before = [&](Index m) {
           return facing(normal[m], normal[n]) &&
@@ -947,19 +1335,23 @@ private:
   /// More points than blocks of any sensible mesh meet.
   static constexpr int MostCopies = 1000;
 
+  PartialMesh& Part;
   const BlockMesh& Mesh;
   const SurfaceNumbering& Surface;
   const std::vector<bool>& LeftHanded;
   const BlockComplexOptions& Options;
   const Execution& Run;
+  const bsv::Ranks& Ranks;
   Contacts Result;
+  /// Per block the coordinates of its corners, if there are other ranks.
+  std::vector<std::array<double, 24>> Corners;
   /// Per surface point the point that stands for its class, or -1 where nothing is searched.
   std::vector<Index> Class;
 };
 
 } // namespace
 
-Contacts glue(const BlockMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
+Contacts glue(PartialMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
   const BlockComplexOptions& options, const Execution& run)
 {
   return Gluer(mesh, surface, leftHanded, options, run).glue();

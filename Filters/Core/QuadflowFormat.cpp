@@ -539,6 +539,27 @@ public:
     this->At = this->End = nullptr;
   }
 
+  /// Leaves out the bytes that follow the current line.
+  void skipRaw(Index size)
+  {
+    if (size > this->Remaining)
+    {
+      this->fail("the file ends within binary numbers");
+    }
+    const Index buffered = std::min(size, static_cast<Index>(this->Last - this->First));
+    this->First += static_cast<std::size_t>(buffered);
+    if (size > buffered)
+    {
+      if (::fseeko(this->File.get(), size - buffered, SEEK_CUR) != 0)
+      {
+        throw Error("Cannot read '" + this->Path + "': " + std::strerror(errno));
+      }
+      this->Portion = SmallestPortion;
+    }
+    this->Remaining -= size;
+    this->At = this->End = nullptr;
+  }
+
   std::string name(const char* what)
   {
     const std::string_view text = this->word();
@@ -621,8 +642,9 @@ private:
         this->Buffer.resize(2 * this->Last);
       }
       data = this->Buffer.data();
-      const std::size_t read =
-        std::fread(this->Buffer.data() + this->Last, 1, this->Buffer.size() - this->Last, this->File.get());
+      const std::size_t read = std::fread(this->Buffer.data() + this->Last, 1,
+        std::min(this->Portion, this->Buffer.size() - this->Last), this->File.get());
+      this->Portion = std::min(2 * this->Portion, this->Buffer.size());
       this->Last += read;
       this->Finished = read == 0;
       if (std::ferror(this->File.get()))
@@ -649,6 +671,9 @@ private:
   std::string Path;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> File;
   std::vector<char> Buffer;
+  /// Bytes to read next: few where the next thing may be to leave out many.
+  static constexpr std::size_t SmallestPortion = std::size_t(1) << 14;
+  std::size_t Portion = SmallestPortion;
   std::size_t First = 0;
   std::size_t Last = 0;
   bool Finished = false;
@@ -663,14 +688,25 @@ constexpr int Any = std::numeric_limits<int>::max();
 class QuadflowReader
 {
 public:
-  QuadflowReader(const std::string& path, const QuadflowStorage& storage, const Execution& run)
+  QuadflowReader(
+    const std::string& path, const QuadflowStorage& storage, const Execution& run, const Piece& piece)
     : Storage(storage)
     , Run(run)
+    , Part(piece)
     , In(path)
   {
   }
 
   QuadflowCase read()
+  {
+    this->Run.ranks->together([this] { this->parse(); });
+    checkQuadflowCase(this->All, this->In.path(), this->GeometryPath, this->Run);
+    this->Run.ranks->together([this] { this->Run.report(1.0); });
+    return std::move(this->All);
+  }
+
+private:
+  void parse()
   {
     this->header(this->In, Magic);
     this->counts();
@@ -682,7 +718,6 @@ public:
     this->boundaryFaces();
     this->boundaryNames();
 
-    std::string geometryPath;
     this->In.expect("GEOMETRY");
     const std::string_view where = this->In.atEnd() ? "" : this->In.word();
     if (where != "file")
@@ -700,8 +735,8 @@ public:
         this->In.fail("the geometry file must lie in the same folder");
       }
       this->In.end();
-      geometryPath = folderOf(this->In.path()) + name;
-      Lines geometry(geometryPath);
+      this->GeometryPath = folderOf(this->In.path()) + name;
+      Lines geometry(this->GeometryPath);
       this->header(geometry, GeometryMagic);
       geometry.next("counts");
       geometry.expect("counts");
@@ -717,12 +752,8 @@ public:
       this->In.next("end");
       this->finish(this->In, true);
     }
-    checkQuadflowCase(this->All, this->In.path(), geometryPath);
-    this->Run.report(1.0);
-    return std::move(this->All);
   }
 
-private:
   void header(Lines& in, const char* magic)
   {
     in.next(magic);
@@ -1028,6 +1059,7 @@ private:
     }
   }
 
+  /// @param points null if they are left out.
   void binaryPoints(Lines& in, const std::string& block, double* points, Index size, double total) const
   {
     double mark = 0.0;
@@ -1035,6 +1067,11 @@ private:
     if (mark != ByteOrderMark)
     {
       in.fail(block + ": the binary numbers do not begin with 1 in the byte order that is stated");
+    }
+    if (!points)
+    {
+      in.skipRaw(3 * Index(sizeof(double)) * size);
+      return;
     }
     for (Index first = 0; first < size; first += PointsPerReport)
     {
@@ -1057,6 +1094,7 @@ private:
     }
   }
 
+  /// @param points null if they are left out.
   void textPoints(Lines& in, double* points, Index size, double total) const
   {
     for (Index i = 0; i < size; ++i)
@@ -1066,6 +1104,10 @@ private:
         this->Run.report(std::max(0.0, 1.0 - static_cast<double>(in.remaining()) / total));
       }
       in.next("a control point");
+      if (!points)
+      {
+        continue;
+      }
       for (int c = 0; c < 3; ++c)
       {
         *points++ = in.number("coordinate");
@@ -1077,6 +1119,12 @@ private:
   void geometry(Lines& in)
   {
     const double total = static_cast<double>(in.remaining()) + 1.0;
+    std::vector<std::array<int, 3>> expected;
+    for (const QuadflowBlock& block : this->All.blocks)
+    {
+      expected.push_back({ block.cells[0] + 3, block.cells[1] + 3, block.cells[2] + 3 });
+    }
+    const std::vector<int> owners = this->Part.owners(expected);
     for (std::size_t b = 0; b < this->All.blocks.size(); ++b)
     {
       QuadflowBlock& block = this->All.blocks[b];
@@ -1117,8 +1165,9 @@ private:
       in.expect("points");
       in.end();
       block.pointsLine = in.line() + (this->Binary ? 0 : 1);
-      double* points = this->Storage(static_cast<int>(b), counts);
+      double* points = owners[b] == this->Part.number ? this->Storage(static_cast<int>(b), counts) : nullptr;
       volume.points = points;
+      volume.rank = owners[b];
       if (this->Binary)
       {
         this->binaryPoints(in, "block " + std::to_string(b + this->Base), points, size, total);
@@ -1176,7 +1225,9 @@ private:
 
   QuadflowStorage Storage;
   Execution Run;
+  Piece Part;
   Lines In;
+  std::string GeometryPath;
   int Base = 0;
   bool UnitKnots = false;
   bool Binary = false;
@@ -1200,9 +1251,10 @@ bool looksLikeQuadflow(const std::string& path)
   }
 }
 
-QuadflowCase readQuadflow(const std::string& path, const QuadflowStorage& storage, const Execution& run)
+QuadflowCase readQuadflow(
+  const std::string& path, const QuadflowStorage& storage, const Execution& run, const Piece& piece)
 {
-  return QuadflowReader(path, storage, run).read();
+  return QuadflowReader(path, storage, run, piece).read();
 }
 
 } // namespace bsv
