@@ -228,7 +228,7 @@ def test_quality():
 
 def test_smoothness():
     def check(whole, owners):
-        alone, here = both("vtkBSplineVolumeSmoothness", whole, owners)
+        alone, here = both("vtkBSplineVolumeSmoothness", whole, owners, AllOuterFaces=True)
         expected, output = alone.GetOutputDataObject(0), here.GetOutputDataObject(0)
         first = [int(field(expected.GetPartition(n, 0), "Blocks")[0])
                  for n in range(expected.GetNumberOfPartitionedDataSets())]
@@ -305,13 +305,15 @@ def test_topology_files():
     def check(whole, owners):
         for properties in ({}, {"Binary": True}, {"SeparateGeometry": True, "IndexBase": 1}):
             with Alone(), tempfile.TemporaryDirectory() as own:
-                assert write(os.path.join(own, "a.qfmb"), whole, **properties) == (1, [])
+                done, said = write(os.path.join(own, "a.qfmb"), whole, **properties)
+                assert (done, said) == (1, []), (done, said)
                 expected = files(own)
             if RANK == 0:
                 for name in os.listdir(folder):
                     os.remove(os.path.join(folder, name))
             total(0)  # all are here
-            assert write(os.path.join(folder, "a.qfmb"), part(whole, owners), **properties) == (1, [])
+            done, said = write(os.path.join(folder, "a.qfmb"), part(whole, owners), **properties)
+            assert (done, said) == (1, []), (done, said)
             total(0)
             assert files(folder) == expected
             total(0)
