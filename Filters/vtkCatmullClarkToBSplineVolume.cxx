@@ -566,6 +566,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     // The output.
     bsv::setBlocks(output, nets, names, "BSplineVolume");
     setContacts(output, complex);
+    // The pipeline passes it on from the input, but not every rank has one.
+    bsv::setCreases(output->GetFieldData(), mesh.creases);
     vtkNew<vtkStringArray> ruleNames;
     ruleNames->SetName("ControlPointRuleNames");
     for (const std::string& name : bsv::controlPointRuleNames())

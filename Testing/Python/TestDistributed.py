@@ -7,42 +7,13 @@ Every rank computes what it expects from the whole mesh, alone.
 import os
 import random
 import sys
+import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import client, vtk, blocks, coordinates, demo_mesh, field, grid, main, names
-
-CONTROLLER = vtk.vtkMultiProcessController.GetGlobalController()
-RANK = CONTROLLER.GetLocalProcessId() if CONTROLLER else 0
-SIZE = CONTROLLER.GetNumberOfProcesses() if CONTROLLER else 1
-assert SIZE == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
-
-
-class Alone:
-    """Filters believe that there is only this process."""
-
-    def __enter__(self):
-        vtk.vtkMultiProcessController.SetGlobalController(vtk.vtkDummyController())
-
-    def __exit__(self, *_):
-        vtk.vtkMultiProcessController.SetGlobalController(CONTROLLER)
-
-
-def reduced(number, operation=vtk.vtkCommunicator.SUM_OP):
-    """A whole number of all ranks together."""
-    if SIZE == 1:
-        return number
-    mine, result = vtk.vtkIntArray(), vtk.vtkIntArray()
-    mine.InsertNextValue(number)
-    CONTROLLER.AllReduce(mine, result, operation)
-    return result.GetValue(0)
-
-
-def check(right, *what):
-    """Fails on all ranks if it does on one, which says what is wrong: no rank waits for another that has gone."""
-    if not right:
-        print("rank", RANK, *what, file=sys.stderr, flush=True)
-    assert reduced(int(bool(right)), vtk.vtkCommunicator.MIN_OP), "see the message of a rank"
+from bsv_support import vtk, blocks, collection, coordinates, field, grid, main, names
+from bsv_ranks import RANK, SIZE, Alone, check, partitions, reduced
+import make_demo_mesh
 
 
 def distributions(count):
@@ -65,12 +36,6 @@ def part(whole, rank_of):
     if RANK in rank_of:
         data.GetFieldData().ShallowCopy(whole.GetFieldData())
     return data
-
-
-def partitions(data):
-    """The grids that this rank has, None for the others."""
-    return [data.GetPartition(b, 0) if data.GetNumberOfPartitions(b) > 0 else None
-            for b in range(data.GetNumberOfPartitionedDataSets())]
 
 
 def array_bits(data):
@@ -99,14 +64,20 @@ def compare_blocks(found, expected, what):
 
 
 def demo():
-    return client(demo_mesh(4)).GetOutputDataObject(0)
+    """The demonstration mesh: cut blocks, creases, extraordinary edges, a planar far field."""
+    reader = bsplinevolume.vtkHexBlockMeshReader()
+    with Alone(), tempfile.TemporaryDirectory() as folder:
+        reader.SetFileName(make_demo_mesh.write_demo(folder, 4))
+        reader.Update()
+    return reader.GetOutputDataObject(0)
 
 
 def wing():
     """Mesh and body of the example case."""
     source = bsplinevolume.vtkWingFuselageSource()
     source.SetResolution(4)
-    source.Update()
+    with Alone():
+        source.Update()
     return source.GetOutputDataObject(0), source.GetOutputDataObject(1)
 
 
@@ -128,6 +99,7 @@ def compare_conversion(whole, parts, bodies=None, setup=lambda convert: None):
     """Converts the whole alone and its parts together. `bodies`: for the whole, and per distribution."""
     with Alone():
         serial = converted(whole, bodies[0] if bodies else None, setup)
+    assert serial.GetNumberOfBlocks() > 0
     for n, rank_of in enumerate(parts):
         convert = converted(part(whole, rank_of), bodies[1][n] if bodies else None, setup)
         here = compare_blocks(convert.GetOutputDataObject(0), serial.GetOutputDataObject(0), rank_of)
@@ -137,38 +109,49 @@ def compare_conversion(whole, parts, bodies=None, setup=lambda convert: None):
                   for name in COUNTERS), "counters")
         lines = [line for line in convert.GetReport().splitlines(True) if not line.startswith("rank ")]
         check("".join(lines) == serial.GetReport(), rank_of, "report", convert.GetReport(), serial.GetReport())
-        used = len(set(rank_of))
         check((convert.GetReceivedBytes() > 0) == (SIZE > 1), "received bytes")
-        check(convert.GetReport().count("bytes from other ranks") == (SIZE if SIZE > 1 else 0), used, "report")
+        check(convert.GetReport().count("bytes from other ranks") == (SIZE if SIZE > 1 else 0), "lines of ranks")
+    return serial
 
 
 def test_demo():
-    """Cut blocks, creases, extraordinary edges, a planar far field."""
-    whole = demo()
-    compare_conversion(whole, distributions(11))
+    compare_conversion(demo(), distributions(11))
 
-    def every_option(convert):
-        convert.SetInputPoints(2)  # on the body
-        convert.SetWallSpacingMode(1)
-        convert.SetPlanarSides(1)
+
+def test_options_that_name_faces():
+    whole = demo()
+    wall = field(whole, "BoundaryNames").index("WALL")
+    faces = {tuple(map(int, entry[:2])) for entry in field(whole, "Boundaries") if entry[2] == wall}
+
+    def setup(convert):
+        convert.SetInputPoints(convert.ON_BODY)
+        convert.SetWallSpacingMode(convert.GROWTH)
+        convert.SetPlanarSides(convert.ALL)
         convert.ClearBodyBoundaries()
-        for b in range(11):
-            for f in range(6):
-                if (b, f) in wall:
-                    convert.AddBodyFace(b, f)
-    tuples = field(whole, "Boundaries")
-    tag = field(whole, "BoundaryNames").index("WALL")
-    wall = {(int(entry[0]), int(entry[1])) for entry in tuples if entry[2] == tag}
-    compare_conversion(whole, list(distributions(11))[:2], setup=every_option)
+        for block, face in sorted(faces):
+            convert.AddBodyFace(block, face)
+    compare_conversion(whole, list(distributions(11))[:2], setup=setup)
+
+
+def row(count):
+    """Blocks in a row, with plane faces between them."""
+    grids = [grid((3, 2, 2), lambda i, j, k: (i + 0.03 * i * i, j + 0.1 * j * k, k), (3 * b, 0, 0))
+             for b in range(count)]
+    data = collection(grids)
+    for b in range(count):
+        data.GetMetaData(b).Set(vtk.vtkCompositeDataSet.NAME(), "part %d" % b)
+    return data
+
+
+def test_options_that_name_blocks():
+    def setup(convert):
+        convert.AddExtensionBlock("part 3")
+    serial = compare_conversion(row(4), distributions(4), setup=setup)
+    assert "far-field extension" in serial.GetReport()
 
 
 def test_more_ranks_than_blocks():
-    whole = vtk.vtkPartitionedDataSetCollection()
-    whole.SetNumberOfPartitionedDataSets(2)
-    for b in range(2):
-        whole.SetPartition(b, 0, grid((3, 2, 2), lambda i, j, k: (i + 0.1 * j * k, j - 0.1 * i * k, k), (3 * b, 0, 0)))
-        whole.GetMetaData(b).Set(vtk.vtkCompositeDataSet.NAME(), "half %d" % b)
-    compare_conversion(whole, distributions(2))
+    compare_conversion(row(2), distributions(2))
 
 
 def test_wing_with_a_body_that_one_rank_has():
@@ -177,7 +160,7 @@ def test_wing_with_a_body_that_one_rank_has():
     nothing = vtk.vtkPartitionedDataSetCollection()
     spread = part(body, [n % SIZE for n in range(body.GetNumberOfPartitionedDataSets())])
     bodies = [spread, body if RANK == 0 else nothing]
-    compare_conversion(mesh, list(distributions(count))[:2], (body, bodies))
+    compare_conversion(mesh, list(distributions(count))[2:], (body, bodies))
 
 
 def test_every_rank_may_have_everything():
