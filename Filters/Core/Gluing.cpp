@@ -713,7 +713,8 @@ private:
       if (!this->Result.undecided(partner))
       {
         throw ErrorAt(quad,
-          "ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) + " and " + this->where(at) + " are at the same place near " + text(this->center(at)));
+          "ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) + " and " +
+            this->where(at) + " are at the same place near " + text(this->center(at)));
       }
       this->Result.setContact(partner, quad, this->orientation(partner, quad, classes));
     }
