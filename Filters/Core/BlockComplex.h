@@ -134,6 +134,8 @@ struct BlockComplex
 /// order of the blocks. The views of the returned blocks point into `mesh` unless points had to be welded; `mesh` must
 /// outlive them.
 ///
+/// Collective: all ranks return the same complex, that of a process alone, each with the points of its own blocks.
+///
 /// @throws Error for non-finite points, zero cells, contacts that do not match, ambiguous or non-matching contacts,
 /// collapsed faces or cells (unless allowed), semi-sharp creases.
 BlockComplex buildBlockComplex(

@@ -35,25 +35,6 @@ using Triple = std::array<double, 3>;
 Triple triple(const Vec3& x) { return { x[0], x[1], x[2] }; }
 Vec3 vec3(const Triple& x) { return Vec3(x[0], x[1], x[2]); }
 
-/// value(i) of all i < count, on all ranks: each computes a part of them.
-template <typename T, typename Value>
-std::vector<T> sharedOut(Index count, Index grain, const Execution& run, const Value& value)
-{
-  const Ranks& ranks = *run.ranks;
-  const Index first = count * ranks.rank() / ranks.size();
-  const Index last = count * (ranks.rank() + 1) / ranks.size();
-  std::vector<T> mine(last - first);
-  ranks.together([&] {
-    run.parallelFor(last - first, grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i)
-      {
-        mine[i] = value(first + i);
-      }
-    });
-  });
-  return ranks.gatherAll(mine);
-}
-
 /// Mesh points of the wall, numbered once each: the same on all ranks.
 class Wall
 {
@@ -84,10 +65,10 @@ public:
   /// All points, each from the rank that has it.
   std::vector<Vec3> points(const Ranks& ranks) const
   {
-    const auto owner = [&](std::size_t i) -> const ComplexBlock& { return this->Complex.blocks[this->Places[i].block]; };
+    const std::vector<ComplexBlock>& blocks = this->Complex.blocks;
     const std::vector<Triple> all = gatherFromOwners<Triple>(
-      ranks, this->Places.size(), [&](std::size_t i) { return owner(i).rank; },
-      [&](std::size_t i) { return triple(owner(i).points(this->Places[i].ijk)); });
+      ranks, this->Places.size(), [&](std::size_t i) { return blocks[this->Places[i].block].rank; },
+      [&](std::size_t i) { return triple(blocks[this->Places[i].block].points(this->Places[i].ijk)); });
     std::vector<Vec3> points(all.size());
     std::transform(all.begin(), all.end(), points.begin(), vec3);
     return points;

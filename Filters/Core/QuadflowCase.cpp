@@ -71,12 +71,18 @@ public:
 
   /// Collective. @param faces that are read here of blocks on other ranks; a process that is alone gets none.
   ControlPoints(const std::vector<const BSplineVolume*>& volumes, const std::set<Face>& faces, const Ranks& ranks)
+    : Volumes(volumes)
   {
     for (const BSplineVolume* volume : volumes)
     {
       const Ijk counts{ volume->count(0), volume->count(1), volume->count(2) };
       this->Views.push_back(volume->points ? GridView(volume->points, counts) : GridView::elsewhere(counts));
     }
+    if (ranks.size() == 1)
+    {
+      return;
+    }
+    this->Fetched = faces;
     std::vector<PointBox> boxes;
     for (const Face f : faces)
     {
@@ -85,16 +91,20 @@ public:
       box.hi = onFace(volume, f % 6, volume.count(faceAxis(f % 6, 0)) - 1, volume.count(faceAxis(f % 6, 1)) - 1);
       boxes.push_back(box);
     }
-    if (ranks.size() > 1)
-    {
-      this->Memory = fetchPoints(
-        boxes, static_cast<int>(volumes.size()), [&](int block) { return volumes[block]->rank; },
-        [this](int block) -> GridView& { return this->Views[block]; }, ranks);
-    }
+    this->Memory = fetchPoints(
+      boxes, static_cast<int>(volumes.size()), [&](int block) { return volumes[block]->rank; },
+      [this](int block) -> GridView& { return this->Views[block]; }, ranks);
   }
-  const GridView& operator[](std::size_t block) const { return this->Views[block]; }
+  const BSplineVolume& volume(int block) const { return *this->Volumes[block]; }
+  const GridView& operator[](int block) const { return this->Views[block]; }
+  bool knows(int block, int face) const
+  {
+    return this->Views[block].isHere() || this->Fetched.count(6 * block + face) > 0;
+  }
 
 private:
+  const std::vector<const BSplineVolume*>& Volumes;
+  std::set<Face> Fetched;
   std::vector<GridView> Views;
   std::vector<std::shared_ptr<PointBoxes>> Memory;
 };
@@ -132,9 +142,10 @@ std::vector<std::array<Vec3, 8>> cornerPoints(const std::vector<const BSplineVol
 }
 
 /// Why two faces do not meet, or nothing. Points that are not known are not compared.
-std::string difference(const BSplineVolume& a, const GridView& pointsA, int faceA, const BSplineVolume& b,
-  const GridView& pointsB, int faceB, int orientation)
+std::string difference(const ControlPoints& points, int blockA, int faceA, int blockB, int faceB, int orientation)
 {
+  const BSplineVolume& a = points.volume(blockA);
+  const BSplineVolume& b = points.volume(blockB);
   for (int axis = 0; axis < 2; ++axis)
   {
     const int axisB = swapsAxes(orientation) ? 1 - axis : axis;
@@ -167,7 +178,7 @@ std::string difference(const BSplineVolume& a, const GridView& pointsA, int face
   }
   const int ns = a.count(faceAxis(faceA, 0)) - 1;
   const int nt = a.count(faceAxis(faceA, 1)) - 1;
-  const bool known = pointsA.has(onFace(a, faceA, 0, 0)) && pointsB.has(onFace(b, faceB, 0, 0));
+  const bool known = points.knows(blockA, faceA) && points.knows(blockB, faceB);
   for (int t = 0; known && t <= nt; ++t)
   {
     for (int s = 0; s <= ns; ++s)
@@ -175,7 +186,7 @@ std::string difference(const BSplineVolume& a, const GridView& pointsA, int face
       const auto m = mapFacePoint(orientation, s, t, ns, nt);
       const Ijk iA = onFace(a, faceA, s, t);
       const Ijk iB = onFace(b, faceB, m[0], m[1]);
-      if (!sameBits(pointsA(iA), pointsB(iB)))
+      if (!sameBits(points[blockA](iA), points[blockB](iB)))
       {
         return "control points " + pointName(iA) + " and " + pointName(iB) + " differ";
       }
@@ -241,8 +252,7 @@ std::vector<Interface> findInterfaces(const std::vector<BSplineVolume>& volumes,
       unsigned found = 0;
       for (int o = 0; volumes[a / 6].rank == ranks.rank() && o < 8; ++o)
       {
-        const bool same =
-          difference(volumes[a / 6], points[a / 6], a % 6, volumes[b / 6], points[b / 6], b % 6, o).empty();
+        const bool same = difference(points, a / 6, a % 6, b / 6, b % 6, o).empty();
         found |= same ? 1u << o : 0u;
       }
       if (found != 0)
@@ -865,8 +875,7 @@ private:
       for (const QuadflowInterface& entry : this->All.interfaces)
       {
         const Interface& c = entry.contact;
-        const std::string what = difference(
-          *volumes[c.blockA], points[c.blockA], c.faceA, *volumes[c.blockB], points[c.blockB], c.faceB, c.orientation);
+        const std::string what = difference(points, c.blockA, c.faceA, c.blockB, c.faceB, c.orientation);
         if (!what.empty())
         {
           this->fail(entry.line, this->interfaceName(c) + what);

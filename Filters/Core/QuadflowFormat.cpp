@@ -294,11 +294,12 @@ void writeGeometry(AtomicFile& file, const QuadflowCase& all, const QuadflowOpti
     std::vector<Size> own;
     Index position = 0;
     ranks.together([&] {
+      CharacterCount written;
       position = first ? file.position() : 0;
       overOwn(0.0, 0.5, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
-        CharacterCount size;
-        writeBlock(Text(size), volume, id, options, report);
-        own.push_back({ b, size.count() });
+        const Index before = written.count();
+        writeBlock(Text(written), volume, id, options, report);
+        own.push_back({ b, written.count() - before });
       });
     });
     start.assign(all.blocks.size() + 1, 0);

@@ -1369,7 +1369,7 @@ void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOpt
   }
   std::vector<std::size_t> bad;
   run.ranks->together([&] {
-    for (std::size_t first = 0; first < own.size() && bad.empty();)
+    for (std::size_t first = 0; first < own.size();)
     {
       run.report(done / total);
       std::vector<JoinMeasurement> batch;

@@ -83,8 +83,8 @@ using ChangedPoints = SparseArray<Vec3>;
 /// View of the points of a structured grid, or of a box of one: float or double triples, i fastest in the grid viewed.
 /// It owns nothing.
 ///
-/// Some points may have been changed without a copy of the others. Of a grid that another rank has it knows the size, and
-/// boxes of points that were fetched (PointExchange.h).
+/// Some points may have been changed without a copy of the others. Of a grid that another rank has it knows the size,
+/// and boxes of points that were fetched (PointExchange.h).
 class GridView
 {
 public:
@@ -170,8 +170,8 @@ public:
   Vec3 operator()(int i, int j, int k) const { return this->atOffset(this->offset(i, j, k)); }
   Vec3 operator()(const std::array<int, 3>& ijk) const { return (*this)(ijk[0], ijk[1], ijk[2]); }
 
-  /// Calls copy(address, count) for the coordinates of points (first..last, j, k), in runs that lie in one piece of memory:
-  /// as doubles, or floats where they are stored. All points must be here.
+  /// Calls copy(address, count) for the coordinates of points (first..last, j, k), in runs that lie in one piece of
+  /// memory: as doubles, or floats where they are stored. All points must be here.
   template <typename Copy>
   void forRuns(int first, int last, int j, int k, const Copy& copy) const
   {
@@ -221,8 +221,8 @@ private:
   /// Address of a fetched point, or null.
   const double* fetched(Index offset) const;
   Vec3 remote(Index offset) const;
-  /// The changed point at an offset, or null. Cuts `count` to how many from there on are changed and follow it in memory,
-  /// or are not changed.
+  /// The changed point at an offset, or null. Cuts `count` to how many from there on are changed and follow it in
+  /// memory, or are not changed.
   const Vec3* change(Index offset, Index& count) const;
 
   const void* Data = nullptr;

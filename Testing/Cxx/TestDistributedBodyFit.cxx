@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BodyCases.h"
 #include "BodyFit.h"
+#include "DistributedComplex.h"
 #include "MeshCases.h"
-#include "ThreadRanks.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,9 @@
 #include <random>
 
 using namespace bsv;
+using bsvtest::distributed;
 using bsvtest::onRanks;
+using bsvtest::randomRanks;
 using meshcases::MeshCase;
 
 namespace
@@ -48,7 +50,7 @@ void append(MeshCase& mesh, const MeshCase& other)
   mesh.blocks.insert(mesh.blocks.end(), other.blocks.begin(), other.blocks.end());
 }
 
-/// The star around three cubes (vertices of valence 3 and 5): blocks of one, of one and of `layers` cells above each other.
+/// The star around three cubes (vertices of valence 3 and 5): blocks of one, one and `layers` cells above each other.
 MeshCase starStacks(int cells, int layers)
 {
   std::vector<double> radii{ 1.0 };
@@ -135,10 +137,26 @@ FitCase creased(bool edgesOnly)
 FitCase cut()
 {
   FitCase result("cut blocks",
-    meshcases::latticeBlocks({ { { 0, 0, 0 }, { 6, 4, 2 } }, { { 0, 0, 2 }, { 2, 4, 6 } }, { { 2, 0, 2 }, { 6, 4, 6 } } },
+    meshcases::latticeBlocks(
+      { { { 0, 0, 0 }, { 6, 4, 2 } }, { { 0, 0, 2 }, { 2, 4, 6 } }, { { 2, 0, 2 }, { 6, 4, 6 } } },
       [](const Vec3& x) { return Vec3(x[0], x[1], x[2] + 0.3 * std::sin(x[0] + 0.5 * x[1])); }));
   result.mesh->blocks[0].isFloat = true;
   return result.addWall(0, 4);
+}
+
+/// Eight blocks around a point, one of them on the wall: the others share a face, an edge or a vertex with it.
+FitCase corner()
+{
+  FitCase result("wall of one block of eight", meshcases::cutBox({ 6, 6, 6 }, { { { 3 }, { 3 }, { 3 } } },
+                                                 [](const Vec3& x) { return meshcases::wavy(0.5 * x); }));
+  for (int b = 0; b < 8; ++b)
+  {
+    if (result.mesh->blocks[b].at({ 0, 0, 0 }) == meshcases::wavy(Vec3::Zero()))
+    {
+      result.addWall(b, 4);
+    }
+  }
+  return result;
 }
 
 /// One block that meets itself, its inner side the wall.
@@ -149,38 +167,12 @@ FitCase ringBlock()
 
 std::vector<FitCase> cases()
 {
-  std::vector<FitCase> all{ star(3, 3, false), star(2, 2, true), creased(false), creased(true), cut(), ringBlock() };
+  std::vector<FitCase> all{ star(3, 3, false), star(2, 2, true), creased(false), creased(true), cut(), corner(),
+    ringBlock() };
   all.push_back(star(3, 3, false));
   all.back().name = "shuffled star";
   meshcases::shuffle(*all.back().mesh, 7, true);
   return all;
-}
-
-/// What a rank has of a complex. `rankOf` is per block of the mesh.
-BlockComplex onRank(const BlockComplex& whole, const std::vector<int>& rankOf, int rank)
-{
-  BlockComplex part = whole;
-  for (ComplexBlock& block : part.blocks)
-  {
-    block.rank = rankOf[block.parent];
-    if (block.rank != rank)
-    {
-      block.points = GridView::elsewhere(block.points.counts());
-    }
-  }
-  return part;
-}
-
-/// Every block on a random one of the ranks.
-std::vector<int> scattered(std::size_t blocks, int ranks, unsigned seed)
-{
-  std::mt19937 random(seed);
-  std::vector<int> rankOf;
-  for (std::size_t b = 0; b < blocks; ++b)
-  {
-    rankOf.push_back(static_cast<int>(random() % ranks));
-  }
-  return rankOf;
 }
 
 /// Mesh points whose bits differ.
@@ -205,23 +197,27 @@ Index different(const GridView& a, const GridView& b)
 
 TEST(DistributedBodyFit, SameBitsForAnyDistribution)
 {
+  std::mt19937 random(1);
   for (const FitCase& test : cases())
   {
-    const BlockComplex whole = buildBlockComplex(test.mesh->mesh());
-    BlockComplex serial = whole;
-    const BodyFitReport expected = fitBody(serial, test.conversion, test.fit);
-    EXPECT_GT(expected.displacement, 1e-3) << test.name;
+    const BlockMesh mesh = test.mesh->mesh();
+    BlockComplex serial = buildBlockComplex(mesh);
     WallDistances distances;
     if (test.body)
     {
-      distances = wallDistances(whole, test.conversion, *test.body);
+      distances = wallDistances(serial, test.conversion, *test.body);
     }
-    for (int size = 1; size <= 5; ++size)
+    const BodyFitReport expected = fitBody(serial, test.conversion, test.fit);
+    EXPECT_GT(expected.displacement, 1e-3) << test.name;
+    for (int n = 0; n < 10; ++n)
     {
-      const std::vector<int> rankOf = scattered(test.mesh->blocks.size(), size, 10 + size);
+      const int size = 1 + n % 5;
+      const std::vector<int> rankOf = randomRanks(mesh.blocks.size(), size, random);
       const auto errors = onRanks(size, [&](const Execution& run) {
-        BlockComplex complex = onRank(whole, rankOf, run.ranks->rank());
-        const std::string where = test.name + ", rank " + std::to_string(run.ranks->rank()) + " of " + std::to_string(size);
+        const int rank = run.ranks->rank();
+        const BlockMesh part = distributed(mesh, rankOf, rank);
+        BlockComplex complex = buildBlockComplex(part, {}, run);
+        const std::string where = test.name + ", rank " + std::to_string(rank) + " of " + std::to_string(size);
         if (test.body)
         {
           const WallDistances found = wallDistances(complex, test.conversion, *test.body, run);
@@ -238,7 +234,7 @@ TEST(DistributedBodyFit, SameBitsForAnyDistribution)
         for (std::size_t b = 0; b < complex.blocks.size(); ++b)
         {
           const ComplexBlock& block = complex.blocks[b];
-          ASSERT_EQ(block.points.isHere(), block.rank == run.ranks->rank()) << where;
+          ASSERT_EQ(block.points.isHere(), block.rank == rank) << where;
           if (block.points.isHere())
           {
             EXPECT_EQ(different(block.points, serial.blocks[b].points), 0) << where << ", block " << b;
@@ -277,9 +273,11 @@ TEST(DistributedBodyFit, ErrorsAreThoseOfOneRankEverywhere)
   }
   FitCase invalid = star(2, 1, false);
   invalid.fit.edgesOnly = true;
+  std::mt19937 random(1);
   for (const FitCase* test : { &limited, &nowhere, &invalid })
   {
-    const BlockComplex whole = buildBlockComplex(test->mesh->mesh());
+    const BlockMesh mesh = test->mesh->mesh();
+    const std::vector<int> rankOf = randomRanks(mesh.blocks.size(), 3, random);
     const auto attempt = [&](BlockComplex& complex, const Execution& run) {
       if (test->body)
       {
@@ -290,7 +288,7 @@ TEST(DistributedBodyFit, ErrorsAreThoseOfOneRankEverywhere)
     std::string text;
     try
     {
-      BlockComplex complex = whole;
+      BlockComplex complex = buildBlockComplex(mesh);
       attempt(complex, {});
     }
     catch (const Error& error)
@@ -299,7 +297,8 @@ TEST(DistributedBodyFit, ErrorsAreThoseOfOneRankEverywhere)
     }
     EXPECT_FALSE(text.empty());
     const auto errors = onRanks(3, [&](const Execution& run) {
-      BlockComplex complex = onRank(whole, scattered(test->mesh->blocks.size(), 3, 1), run.ranks->rank());
+      const BlockMesh part = distributed(mesh, rankOf, run.ranks->rank());
+      BlockComplex complex = buildBlockComplex(part, {}, run);
       attempt(complex, run);
     });
     EXPECT_EQ(errors, std::vector<std::string>(3, text));
@@ -309,33 +308,40 @@ TEST(DistributedBodyFit, ErrorsAreThoseOfOneRankEverywhere)
 TEST(DistributedBodyFit, AbortOfOneEndsAll)
 {
   const FitCase test = star(2, 1, false);
-  const BlockComplex whole = buildBlockComplex(test.mesh->mesh());
+  const BlockMesh mesh = test.mesh->mesh();
+  std::mt19937 random(1);
+  const std::vector<int> rankOf = randomRanks(mesh.blocks.size(), 3, random);
   const auto errors = onRanks(3, [&](Execution run) {
+    const BlockMesh part = distributed(mesh, rankOf, run.ranks->rank());
+    BlockComplex complex = buildBlockComplex(part, {}, run);
     run.progress = [&](double) { return run.ranks->rank() != 1; };
-    BlockComplex complex = onRank(whole, scattered(test.mesh->blocks.size(), 3, 1), run.ranks->rank());
     EXPECT_THROW(fitBody(complex, test.conversion, test.fit, run), Aborted);
   });
   EXPECT_EQ(errors, std::vector<std::string>(3));
 }
 
-// Twice as many cells in each direction are four times as many points of the wall, and eight times as many in all.
+// Twice as many cells in each direction: four times as many of the wall, eight times as many in all.
 TEST(DistributedBodyFit, TrafficGrowsWithTheWall)
 {
   std::array<Index, 2> received{ 0, 0 }, points{ 0, 0 }, wallPoints{ 0, 0 };
   for (int n = 0; n < 2; ++n)
   {
-    const FitCase test = star(6 << n, 6 << n, false);
-    const BlockComplex whole = buildBlockComplex(test.mesh->mesh());
-    for (const ComplexBlock& block : whole.blocks)
+    const FitCase test = star(6 << n, (14 << n) - 2, false);
+    const BlockMesh mesh = test.mesh->mesh();
+    for (const MeshBlock& block : mesh.blocks)
     {
       points[n] += block.points.size();
     }
     const int size = 3;
     std::array<Index, 3> perRank{};
+    std::mt19937 random(1);
+    const std::vector<int> rankOf = randomRanks(mesh.blocks.size(), size, random);
     const auto errors = onRanks(size, [&](const Execution& run) {
-      BlockComplex complex = onRank(whole, scattered(test.mesh->blocks.size(), size, 1), run.ranks->rank());
+      const BlockMesh part = distributed(mesh, rankOf, run.ranks->rank());
+      BlockComplex complex = buildBlockComplex(part, {}, run);
+      const Index before = run.ranks->receivedBytes();
       const BodyFitReport report = fitBody(complex, test.conversion, test.fit, run);
-      perRank[run.ranks->rank()] = run.ranks->receivedBytes();
+      perRank[run.ranks->rank()] = run.ranks->receivedBytes() - before;
       if (run.ranks->rank() == 0)
       {
         wallPoints[n] = report.wallPoints;

@@ -50,6 +50,53 @@ TEST(Ranks, FailureOfOneEndsAllWithItsText)
   EXPECT_EQ(errors, std::vector<std::string>(3, "block 1 is bad"));
 }
 
+TEST(Ranks, ErrorAtTheLowestPlaceIsThrown)
+{
+  const auto errors = onRanks(4, [](const Execution& run) {
+    run.ranks->together([&] {
+      const int place = (run.ranks->rank() + 2) % 4;
+      if (place > 0)
+      {
+        throw bsv::ErrorAt(place, "place " + std::to_string(place));
+      }
+    });
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(4, "place 1"));
+}
+
+TEST(Ranks, ValuesAreSharedByTheirOwners)
+{
+  const auto errors = onRanks(3, [](const Execution& run) {
+    const auto owner = [](bsv::Index n) { return static_cast<int>(n * n % 3); };
+    std::vector<double> values(7, -1.0);
+    for (bsv::Index n = 0; n < 7; ++n)
+    {
+      values[n] = owner(n) == run.ranks->rank() ? 0.5 * static_cast<double>(n) : -1.0;
+    }
+    run.ranks->share(values, owner);
+    EXPECT_EQ(values, (std::vector<double>{ 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0 }));
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
+TEST(Ranks, AnswersComeInThePlacesOfTheirQuestions)
+{
+  const auto errors = onRanks(3, [](const Execution& run) {
+    const int rank = run.ranks->rank();
+    std::vector<std::vector<int>> questions(3);
+    for (int other = 0; other < 3; ++other)
+    {
+      questions[other] = std::vector<int>(rank + 1, 10 * rank + other);
+    }
+    const auto answers = run.ranks->ask(questions, [&](int question) { return 0.25 * (100 * rank + question); });
+    for (int other = 0; other < 3; ++other)
+    {
+      EXPECT_EQ(answers[other], std::vector<double>(rank + 1, 0.25 * (100 * other + 10 * rank + other)));
+    }
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
 TEST(Ranks, AbortOfOneEndsAll)
 {
   const auto errors = onRanks(3, [](Execution run) {

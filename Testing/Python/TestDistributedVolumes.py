@@ -9,16 +9,13 @@ import os
 import random
 import sys
 import tempfile
-import traceback
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import vtk, collection, coordinates, dimensions, field, grid, main, names, values
+from bsv_support import (CONTROLLER, RANK, RANKS, vtk, collection, coordinates, dimensions, field, grid, main, names,
+                         shared_folder, total, values)
 
-CONTROLLER = vtk.vtkMultiProcessController.GetGlobalController()
-RANK = CONTROLLER.GetLocalProcessId() if CONTROLLER else 0
-SIZE = CONTROLLER.GetNumberOfProcesses() if CONTROLLER else 1
-assert SIZE == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
+assert RANKS == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
 SPANS = (3, 2, 2)
 SHAPE = (2, 2, 3)  # blocks per direction
 
@@ -108,8 +105,8 @@ def part(whole, owners):
 
 def distributions(count):
     """Blocks in turn, all on the last rank, at random; the same on all ranks."""
-    dice = random.Random(SIZE)
-    return [[b % SIZE for b in range(count)], [SIZE - 1] * count, [dice.randrange(SIZE) for _ in range(count)]]
+    dice = random.Random(RANKS)
+    return [[b % RANKS for b in range(count)], [RANKS - 1] * count, [dice.randrange(RANKS) for _ in range(count)]]
 
 
 def arrays(attributes):
@@ -166,29 +163,8 @@ def expect_parts(alone, here, owner):
             assert here.GetNumberOfPartitions(n) == 0
 
 
-def total(number):
-    """Sum over all ranks."""
-    if SIZE == 1:
-        return number
-    mine, result = vtk.vtkIdTypeArray(), vtk.vtkIdTypeArray()
-    mine.InsertNextValue(number)
-    CONTROLLER.AllReduce(mine, result, vtk.vtkCommunicator.SUM_OP)
-    return result.GetValue(0)
-
-
-def shared_folder():
-    """A folder made by the first rank."""
-    path = vtk.vtkCharArray()
-    if RANK == 0:
-        for letter in tempfile.mkdtemp():
-            path.InsertNextValue(letter)
-    if SIZE > 1:
-        CONTROLLER.Broadcast(path, 0)
-    return "".join(path.GetValue(n) for n in range(path.GetNumberOfValues()))
-
-
 def in_all_ways(check, **options):
-    """check(volume, owners) for all distributions, with and without declared interfaces."""
+    """check(volume, owners) for all distributions without, and for one with declared interfaces."""
     whole = volume(**options)
     with Alone():
         quality, _ = run("vtkBSplineVolumeQuality", whole)
@@ -197,9 +173,10 @@ def in_all_ways(check, **options):
     declared.GetFieldData().AddArray(quality.GetOutputDataObject(0).GetFieldData().GetArray("Interfaces"))
     # In 2 x 2 x 3 blocks.
     assert len(field(declared, "Interfaces")) == 20
-    for data in (whole, declared):
-        for owners in distributions(whole.GetNumberOfPartitionedDataSets()):
-            check(data, owners)
+    ways = distributions(whole.GetNumberOfPartitionedDataSets())
+    for owners in ways:
+        check(whole, owners)
+    check(declared, ways[-1])
 
 
 def test_samples():
@@ -228,7 +205,7 @@ def test_quality():
 
 def test_smoothness():
     def check(whole, owners):
-        alone, here = both("vtkBSplineVolumeSmoothness", whole, owners)
+        alone, here = both("vtkBSplineVolumeSmoothness", whole, owners, AllOuterFaces=True)
         expected, output = alone.GetOutputDataObject(0), here.GetOutputDataObject(0)
         first = [int(field(expected.GetPartition(n, 0), "Blocks")[0])
                  for n in range(expected.GetNumberOfPartitionedDataSets())]
@@ -300,22 +277,23 @@ def write(path, data, **properties):
 
 
 def test_topology_files():
-    folder = shared_folder()
-
-    def check(whole, owners):
+    def check(folder, whole, owners):
         for properties in ({}, {"Binary": True}, {"SeparateGeometry": True, "IndexBase": 1}):
             with Alone(), tempfile.TemporaryDirectory() as own:
-                assert write(os.path.join(own, "a.qfmb"), whole, **properties) == (1, [])
+                done, said = write(os.path.join(own, "a.qfmb"), whole, **properties)
+                assert (done, said) == (1, []), (done, said)
                 expected = files(own)
             if RANK == 0:
                 for name in os.listdir(folder):
                     os.remove(os.path.join(folder, name))
             total(0)  # all are here
-            assert write(os.path.join(folder, "a.qfmb"), part(whole, owners), **properties) == (1, [])
+            done, said = write(os.path.join(folder, "a.qfmb"), part(whole, owners), **properties)
+            assert (done, said) == (1, []), (done, said)
             total(0)
             assert files(folder) == expected
             total(0)
-    in_all_ways(check)
+    with shared_folder() as folder:
+        in_all_ways(lambda whole, owners: check(folder, whole, owners))
 
 
 def test_error_of_one_rank_is_told_once():
@@ -334,20 +312,15 @@ def test_error_of_one_rank_is_told_once():
         assert all("zone 11" in text and "KnotsV" in text for text in said), said
         output = algorithm.GetOutputDataObject(0)
         assert output.GetNumberOfElements(output.POINT) == 0
-    folder = shared_folder()
-    done, said = write(os.path.join(folder, "a.qfmb"), mine)
-    assert done == 0 and len(said) == (1 if RANK == 0 else 0)
-    total(0)
-    assert os.listdir(folder) == []
-    # A folder that is not there.
-    done, said = write(os.path.join(folder, "no", "a.qfmb"), part(volume(), owners))
-    assert done == 0 and len(said) == (1 if RANK == 0 else 0)
+    with shared_folder() as folder:
+        # The second is a folder that is not there.
+        for path, data in ((os.path.join(folder, "a.qfmb"), mine),
+                           (os.path.join(folder, "no", "a.qfmb"), part(volume(), owners))):
+            done, said = write(path, data)
+            assert done == 0 and len(said) == (1 if RANK == 0 else 0)
+            total(0)
+            assert os.listdir(folder) == []
 
 
 if __name__ == "__main__":
-    try:
-        main(globals())
-    except BaseException:
-        traceback.print_exc()
-        sys.stderr.flush()
-        os._exit(1)  # or the other ranks would wait
+    main(globals())

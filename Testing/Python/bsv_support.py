@@ -5,8 +5,10 @@ No numpy: ParaView's packages do not bring it.
 """
 import contextlib
 import os
+import shutil
 import sys
 import tempfile
+import traceback
 
 import bsplinevolume  # noqa: F401  gives the VTK objects behind our proxies their own methods
 from paraview import simple, vtk
@@ -14,6 +16,37 @@ from paraview import simple, vtk
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "Examples"))
 simple.LoadPlugin(os.environ["BSV_PLUGIN"], remote=False, ns=simple.__dict__)
+
+
+CONTROLLER = vtk.vtkMultiProcessController.GetGlobalController()
+RANK = CONTROLLER.GetLocalProcessId() if CONTROLLER else 0
+RANKS = CONTROLLER.GetNumberOfProcesses() if CONTROLLER else 1
+
+
+def total(number):
+    """Sum over all ranks. They wait for each other."""
+    if RANKS == 1:
+        return number
+    mine, result = vtk.vtkIdTypeArray(), vtk.vtkIdTypeArray()
+    mine.InsertNextValue(number)
+    CONTROLLER.AllReduce(mine, result, vtk.vtkCommunicator.SUM_OP)
+    return result.GetValue(0)
+
+
+@contextlib.contextmanager
+def shared_folder():
+    """A temporary folder that all ranks use."""
+    path = vtk.vtkCharArray()
+    if RANK == 0:
+        for letter in tempfile.mkdtemp():
+            path.InsertNextValue(letter)
+    if RANKS > 1:
+        CONTROLLER.Broadcast(path, 0)
+    folder = "".join(path.GetValue(n) for n in range(path.GetNumberOfValues()))
+    yield folder
+    total(0)
+    if RANK == 0:
+        shutil.rmtree(folder)
 
 
 def client(proxy):
@@ -163,5 +196,13 @@ def main(tests):
     """Runs all functions named test_* of a module's globals()."""
     for name, test in list(tests.items()):
         if name.startswith("test_"):
-            test()
+            try:
+                test()
+            except BaseException:
+                if RANKS == 1:
+                    raise
+                # Or the other ranks would wait.
+                traceback.print_exc()
+                sys.stderr.flush()
+                os._exit(1)
             print(name, "passed", flush=True)
