@@ -63,16 +63,18 @@ class Builder
 {
 public:
   Builder(const BlockMesh& mesh, const BlockComplexOptions& options, const Execution& run)
-    : Mesh(mesh)
+    : Part(mesh, *run.ranks)
+    , Mesh(this->Part.mesh())
     , Options(options)
     , Run(run)
+    , Ranks(*run.ranks)
     , Check(checkMesh(mesh, options.allowDegenerate, this->part(0.0, 0.4)))
     , Surface(mesh)
-    , Links(glue(mesh, this->Surface, this->Check.leftHanded, options, this->part(0.4, 0.8)))
-    , Creases(mesh, this->Surface, this->Links, this->Check.leftHanded, options.creaseAngle)
+    , Links(glue(this->Part, this->Surface, this->Check.leftHanded, options, this->part(0.4, 0.8)))
+    , Creases(mesh, this->Surface, this->Links, this->Check.leftHanded, options.creaseAngle, *run.ranks)
     , Cuts(cutPositions(mesh, this->Surface, this->Links, this->Creases, run))
   {
-    run.report(0.85);
+    this->report(0.85);
   }
 
   BlockComplex build()
@@ -81,15 +83,21 @@ public:
     this->makePieces();
     this->makeFaces();
     this->makeVerticesAndEdges();
-    this->Run.report(0.9);
+    this->report(0.9);
+    this->fetchContacts();
     this->refuseFoldedContacts();
     this->weld();
     this->tell();
-    this->Run.report(1.0);
+    this->report(1.0);
     return std::move(this->Result);
   }
 
 private:
+  void report(double fraction) const
+  {
+    this->Ranks.together([&] { this->Run.report(fraction); });
+  }
+
   /// The caller's execution with its progress in [0, 1] told as one of [from, to].
   Execution part(double from, double to) const
   {
@@ -128,6 +136,10 @@ private:
             block.rank = parent.rank;
             block.offset = { cuts[0][i], cuts[1][j], cuts[2][k] };
             block.points = parent.points.box(block.offset, { cuts[0][i + 1], cuts[1][j + 1], cuts[2][k + 1] });
+            if (!block.points.isHere())
+            {
+              block.points = GridView::elsewhere(block.points.counts());
+            }
             block.leftHanded = this->Check.leftHanded[b];
             block.faces.fill(-1);
             block.name = whole ? name : name + "." + std::to_string(i + n[0] * (j + n[1] * k));
@@ -349,8 +361,70 @@ private:
     }
   }
 
+  /// Whether the points of its first block are here: each contact is looked at by one rank.
+  bool isHere(const ComplexFace& face) const { return this->Result.blocks[face.uses[0].block].points.isHere(); }
+
+  /// Four quadrilaterals of a piece of a face, or fewer if it is small.
+  template <typename Visit>
+  void forEachSample(const FaceUse& use, const Visit& visit) const
+  {
+    const int ns = this->Result.blocks[use.block].cells(faceAxis(use.face, 0));
+    const int nt = this->Result.blocks[use.block].cells(faceAxis(use.face, 1));
+    for (int t : { 0, nt / 2 })
+    {
+      for (int s : { 0, ns / 2 })
+      {
+        const QuadAt at = this->quadOf(use, s, t);
+        visit(at, this->Surface.quadAt(this->Links.partner(this->Surface.quad(at)), at.block));
+      }
+    }
+  }
+
+  /// Fetches what the contacts of blocks here with those of other ranks are compared with.
+  void fetchContacts()
+  {
+    if (this->Ranks.size() == 1)
+    {
+      return;
+    }
+    std::vector<PointBox> wanted;
+    for (const ComplexFace& face : this->Result.faces)
+    {
+      if (face.boundary() || !this->isHere(face) || this->Result.blocks[face.uses[1].block].points.isHere())
+      {
+        continue;
+      }
+      this->forEachSample(face.uses[0], [&](const QuadAt&, const QuadAt& other) {
+        wanted.push_back(pointsAtFace(this->Mesh, other.block, other.face,
+          { { other.s, other.t }, { other.s + 1, other.t + 1 } }, 2));
+      });
+      if (!this->sameBits(face))
+      {
+        const FaceUse& use = face.uses[1];
+        const ComplexBlock& block = this->Result.blocks[use.block];
+        const QuadAt first = this->quadOf(use, 0, 0);
+        wanted.push_back(pointsAtFace(this->Mesh, block.parent, use.face,
+          { { first.s, first.t },
+            { first.s + block.cells(faceAxis(use.face, 0)), first.t + block.cells(faceAxis(use.face, 1)) } },
+          1));
+      }
+    }
+    this->Part.fetch(wanted);
+  }
+
+  /// Whether all points of a contact are known to be the same bits on both sides.
+  bool sameBits(const ComplexFace& face) const
+  {
+    return this->Links.sameBits(this->Result.blocks[face.uses[0].block].parent, face.uses[0].face);
+  }
+
   /// Two blocks on the same side of their contact lie in each other.
   void refuseFoldedContacts() const
+  {
+    this->Ranks.together([&] { this->refuseFoldedContactsHere(); });
+  }
+
+  void refuseFoldedContactsHere() const
   {
     const Index count = static_cast<Index>(this->Result.faces.size());
     std::vector<char> folded(count, false);
@@ -366,7 +440,7 @@ private:
       {
         const QuadAt at = this->quadOf(this->Result.faces[n].uses[0], 0, 0);
         const QuadAt other = this->Surface.quadAt(this->Links.partner(this->Surface.quad(at)));
-        throw Error(blockLabel(this->Mesh, at.block) + " " + faceLabel(at.face) + " and " +
+        throw ErrorAt(n, blockLabel(this->Mesh, at.block) + " " + faceLabel(at.face) + " and " +
           blockLabel(this->Mesh, other.block) + " " + faceLabel(other.face) +
           " meet, but both blocks lie on the same side of the contact (near " +
           text(this->Mesh.blocks[at.block].points(this->Surface.corner(at, 0, 0))) + ")");
@@ -378,24 +452,16 @@ private:
   bool folded(const ComplexFace& face) const
   {
     const FaceUse& use = face.uses[0];
-    if (face.boundary() || !this->onSurface(use))
+    if (face.boundary() || !this->onSurface(use) || !this->isHere(face))
     {
       return false;
     }
-    const int ns = this->Result.blocks[use.block].cells(faceAxis(use.face, 0));
-    const int nt = this->Result.blocks[use.block].cells(faceAxis(use.face, 1));
     int votes = 0;
-    for (int t : { 0, nt / 2 })
-    {
-      for (int s : { 0, ns / 2 })
-      {
-        const QuadAt at = this->quadOf(use, s, t);
-        const QuadAt other = this->Surface.quadAt(this->Links.partner(this->Surface.quad(at)), at.block);
-        const Vec3 normal = outwardNormal(this->Mesh, this->Surface, at, false);
-        const double sides = normal.dot(this->inwards(at)) * normal.dot(this->inwards(other));
-        votes += sides > 0.0 ? 1 : sides < 0.0 ? -1 : 0;
-      }
-    }
+    this->forEachSample(use, [&](const QuadAt& at, const QuadAt& other) {
+      const Vec3 normal = outwardNormal(this->Mesh, this->Surface, at, false);
+      const double sides = normal.dot(this->inwards(at)) * normal.dot(this->inwards(other));
+      votes += sides > 0.0 ? 1 : sides < 0.0 ? -1 : 0;
+    });
     return votes > 0;
   }
 
@@ -429,23 +495,22 @@ private:
     this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
       for (Index n = begin; n < end && !differ; ++n)
       {
-        const FaceUse& use = contacts[n]->uses[0];
-        if (this->Links.sameBits(this->Result.blocks[use.block].parent, use.face))
+        if (!this->isHere(*contacts[n]) || this->sameBits(*contacts[n]))
         {
           continue;
         }
-        const GridView& pointsA = this->parentOf(use).points;
+        const GridView& pointsA = this->parentOf(contacts[n]->uses[0]).points;
         const GridView& pointsB = this->parentOf(contacts[n]->uses[1]).points;
         bool same = true;
         this->forEachSharedPoint(
-          *contacts[n], [&](const Ijk& p, const Ijk& q) { same = same && sameBits(pointsA(p), pointsB(q)); });
+          *contacts[n], [&](const Ijk& p, const Ijk& q) { same = same && bsv::sameBits(pointsA(p), pointsB(q)); });
         if (!same)
         {
           differ = true;
         }
       }
     });
-    if (!differ)
+    if (!this->Ranks.any(differ))
     {
       return;
     }
@@ -459,15 +524,28 @@ private:
         [&](const Ijk& p, const Ijk& q) { copies.unite(this->Surface.point(a, p), this->Surface.point(b, q)); });
     }
     const Index pointCount = this->Surface.pointCount();
-    // Per class, at its representative, the copy that all get.
-    std::vector<Index> chosen(pointCount, -1);
+    const auto isHere = [this](Index point) { return this->Part.isHere(this->Surface.blockOfPoint(point)); };
+    // Whether any point of a class is here.
+    std::vector<bool> concerned(pointCount, this->Ranks.size() == 1);
+    for (Index point = 0; point < pointCount && this->Ranks.size() > 1; ++point)
+    {
+      const Index root = copies.find(point);
+      concerned[root] = concerned[root] || isHere(point);
+    }
+    const RemotePoints remote(*this, [&](Index point) { return concerned[copies.find(point)]; });
     const auto coordinates = [&](Index point) {
       const int b = this->Surface.blockOfPoint(point);
-      return this->Mesh.blocks[b].points(this->Surface.pointAt(b, point));
+      return this->Part.isHere(b) ? this->coordinates(b, point) : remote(b, point);
     };
+    // Per class, at its representative, the copy that all get.
+    std::vector<Index> chosen(pointCount, -1);
     for (Index point = 0; point < pointCount; ++point)
     {
       const Index root = copies.find(point);
+      if (!concerned[root])
+      {
+        continue;
+      }
       Index& best = chosen[root];
       if (best < 0 || before(coordinates(point), coordinates(best)))
       {
@@ -478,14 +556,14 @@ private:
     for (Index point = 0; point < pointCount; ++point)
     {
       const Index best = chosen[copies.find(point)];
-      if (best == point)
+      if (best == point || !isHere(point))
       {
         continue;
       }
       const int b = this->Surface.blockOfPoint(point);
       const Ijk at = this->Surface.pointAt(b, point);
       const Vec3 x = coordinates(best);
-      if (!sameBits(this->Mesh.blocks[b].points(at), x))
+      if (!bsv::sameBits(this->Mesh.blocks[b].points(at), x))
       {
         welded[b] = welded[b] ? welded[b] : this->copyPoints(b);
         const Ijk& n = this->Mesh.blocks[b].points.counts();
@@ -503,6 +581,54 @@ private:
       }
     }
   }
+
+  Vec3 coordinates(int b, Index point) const
+  {
+    return this->Mesh.blocks[b].points(this->Surface.pointAt(b, point));
+  }
+
+  /// Surface points of the blocks on other ranks.
+  class RemotePoints
+  {
+  public:
+    /// Fetches those that are wanted. Collective.
+    template <typename Wanted>
+    RemotePoints(const Builder& builder, const Wanted& wanted)
+      : Owner(builder)
+      , Points(builder.Ranks.size())
+    {
+      for (int b = 0; b < builder.Surface.blockCount() && builder.Ranks.size() > 1; ++b)
+      {
+        if (builder.Part.isHere(b))
+        {
+          continue;
+        }
+        for (Index point = builder.Surface.firstPoint(b); point < builder.Surface.firstPoint(b + 1); ++point)
+        {
+          if (wanted(point))
+          {
+            this->Points[builder.Part.rankOf(b)].push_back(point);
+          }
+        }
+      }
+      this->X = builder.Ranks.ask(this->Points, [&](Index point) -> std::array<double, 3> {
+        const Vec3 x = builder.coordinates(builder.Surface.blockOfPoint(point), point);
+        return { x[0], x[1], x[2] };
+      });
+    }
+    Vec3 operator()(int b, Index point) const
+    {
+      const int rank = this->Owner.Part.rankOf(b);
+      const std::vector<Index>& points = this->Points[rank];
+      return Vec3(this->X[rank][std::lower_bound(points.begin(), points.end(), point) - points.begin()].data());
+    }
+
+  private:
+    const Builder& Owner;
+    /// Per rank, ascending, and their coordinates.
+    std::vector<std::vector<Index>> Points;
+    std::vector<std::vector<std::array<double, 3>>> X;
+  };
 
   const MeshBlock& parentOf(const FaceUse& use) const
   {
@@ -568,9 +694,11 @@ private:
     }
   }
 
+  PartialMesh Part;
   const BlockMesh& Mesh;
   const BlockComplexOptions& Options;
   const Execution& Run;
+  const bsv::Ranks& Ranks;
   const MeshCheck Check;
   const SurfaceNumbering Surface;
   const Contacts Links;

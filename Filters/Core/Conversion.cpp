@@ -60,14 +60,11 @@ void Converter::convertBlock(int block, int slab, bool stream)
 {
   const ComplexBlock& owner = this->Complex.blocks[block];
   const int ni = owner.cells(0), nj = owner.cells(1);
-  const auto copyRows = [&](auto real) {
-    using Real = decltype(real);
-    for (int j = 1; j < nj && ni > 1; ++j)
-    {
-      const Index start = this->index(block, { innerPosition(1), innerPosition(j), innerPosition(slab) });
-      double* target = this->Nets[block].points + 3 * start;
-      const Real* source = owner.points.address<Real>(1, j, slab);
-      const Index count = 3 * Index(ni - 1);
+  for (int j = 1; j < nj && ni > 1; ++j)
+  {
+    const Index start = this->index(block, { innerPosition(1), innerPosition(j), innerPosition(slab) });
+    double* target = this->Nets[block].points + 3 * start;
+    owner.points.forRuns(1, ni - 1, j, slab, [&](const auto* source, Index count) {
       if (stream)
       {
         streamCopy(target, source, count);
@@ -76,16 +73,9 @@ void Converter::convertBlock(int block, int slab, bool stream)
       {
         std::copy_n(source, count, target);
       }
-      std::memset(this->Nets[block].rules + start, static_cast<int>(ControlPointRule::Copied), count / 3);
-    }
-  };
-  if (owner.points.isFloat())
-  {
-    copyRows(float());
-  }
-  else
-  {
-    copyRows(double());
+      target += count;
+    });
+    std::memset(this->Nets[block].rules + start, static_cast<int>(ControlPointRule::Copied), ni - 1);
   }
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Gluing.h"
 
+#include "BoxTree.h"
+#include "GluingRanks.h"
 #include "UnionFind.h"
 
-#include <unsupported/Eigen/BVH>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +18,6 @@ namespace bsv
 
 namespace
 {
-
-using Box = Eigen::AlignedBox3d;
 
 /// Found so far: hash table of items of which the first of equal ones is kept.
 class FirstOccurrence
@@ -89,31 +89,18 @@ std::uint64_t hashOf(const Vec3& x)
 
 using Key = std::array<Index, 4>;
 
-/// What a search in the tree of boxes does with the objects at a place.
-template <typename Visit>
-struct BoxQuery
-{
-  Box box;
-  const Visit& visit;
-
-  bool intersectVolume(const Box& volume) const { return volume.intersects(this->box); }
-  bool intersectObject(Index object) const
-  {
-    this->visit(object);
-    return false;
-  }
-};
-
 class Gluer
 {
 public:
-  Gluer(const BlockMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
+  Gluer(PartialMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
     const BlockComplexOptions& options, const Execution& run)
-    : Mesh(mesh)
+    : Part(mesh)
+    , Mesh(mesh.mesh())
     , Surface(surface)
     , LeftHanded(leftHanded)
     , Options(options)
     , Run(run)
+    , Ranks(*run.ranks)
     , Result(surface)
   {
   }
@@ -125,61 +112,69 @@ public:
     {
       this->takeBoundary(static_cast<int>(n));
     }
-    this->Run.report(0.2);
+    this->report(0.2);
     // Collapsed quadrilaterals, where allowed, must be told from the others one by one.
     if (this->Options.findInterfaces && !this->Options.allowDegenerate)
     {
       this->takeWholeFaces();
     }
-    this->Run.report(0.4);
-    std::vector<Index> open = this->undecided();
+    this->report(0.4);
+    const std::vector<Index> open = this->undecided();
     if (this->Options.findInterfaces && !open.empty())
     {
-      this->mergeEqualPoints(open);
-      std::vector<Index> single = this->pairQuads(open);
-      this->Run.report(0.6);
-      if (this->mergeNearPoints(open, single))
-      {
-        for (Index quad : open)
-        {
-          this->Result.reset(quad);
-        }
-        single = this->pairQuads(open);
-      }
-      this->Run.report(0.8);
-      this->refuseCoveredQuads(single);
-      open = this->undecided();
+      this->search(open);
     }
-    for (Index quad : open)
+    for (Index quad : this->undecided(open))
     {
       this->Result.setBoundary(quad, -1);
     }
-    this->Run.report(1.0);
+    this->report(1.0);
     return std::move(this->Result);
   }
 
 private:
-  /// The largest distance at which the point is one with another, from its own mesh edges.
+  bool alone() const { return this->Ranks.size() == 1; }
+
+  void report(double fraction) const
+  {
+    this->Ranks.together([&] { this->Run.report(fraction); });
+  }
+
+  /// Finds what the quadrilaterals meet; those that meet nothing stay undecided.
+  void search(const std::vector<Index>& open)
+  {
+    std::vector<Index> nearby;
+    if (!this->alone())
+    {
+      nearby = fetchNearQuads(this->Part, this->Surface, open, this->Options.matchTolerance, this->Run);
+    }
+    const std::vector<Index>& known = this->alone() ? open : nearby;
+    std::vector<Index> single;
+    const auto pair = [&] {
+      this->Ranks.together([&] { this->pairQuads(known); });
+      shareContacts(this->Result, known, this->Surface, this->Part, this->Ranks);
+      single = this->undecided(known);
+    };
+    this->mergeEqualPoints(known);
+    pair();
+    this->report(0.6);
+    bool merged = false;
+    this->Ranks.together([&] { merged = this->mergeNearPoints(known, single); });
+    if (this->Ranks.any(merged))
+    {
+      for (Index quad : open)
+      {
+        this->Result.reset(quad);
+      }
+      pair();
+    }
+    this->report(0.8);
+    this->refuseCoveredQuads(single);
+  }
+
   double tolerance(int block, const Ijk& p) const
   {
-    const GridView& points = this->Mesh.blocks[block].points;
-    const Vec3 x = points(p);
-    double shortest = std::numeric_limits<double>::max();
-    for (int d = 0; d < 3; ++d)
-    {
-      for (int step = -1; step <= 1; step += 2)
-      {
-        Ijk q = p;
-        q[d] += step;
-        if (q[d] >= 0 && q[d] < points.counts()[d])
-        {
-          const double length = (points(q) - x).norm();
-          // Edges of no length, where allowed, say nothing about the spacing.
-          shortest = length > 0.0 ? std::min(shortest, length) : shortest;
-        }
-      }
-    }
-    return shortest == std::numeric_limits<double>::max() ? 0.0 : this->Options.matchTolerance * shortest;
+    return matchDistance(this->Mesh.blocks[block].points, p, this->Options.matchTolerance);
   }
 
   Vec3 pointOf(Index point) const
@@ -289,16 +284,57 @@ private:
     return result;
   }
 
-  /// Compares many contacts, in parallel.
-  std::vector<Comparison> compare(const std::vector<Interface>& contacts, bool bitsOnly) const
+  /// Compares many contacts, in parallel; each on the rank of its first block.
+  std::vector<Comparison> compare(const std::vector<Interface>& contacts, bool bitsOnly)
   {
+    std::vector<PointBox> wanted;
+    for (const Interface& contact : contacts)
+    {
+      if (this->Part.isHere(contact.blockA) && !this->Part.isHere(contact.blockB))
+      {
+        // Tolerances need the points next to those of the contact.
+        wanted.push_back(pointsAtFace(this->Mesh, contact.blockB, contact.faceB, contact.rangeB(), bitsOnly ? 1 : 2,
+          bitsOnly ? 0 : 1));
+      }
+    }
+    this->Part.fetch(wanted);
     std::vector<Comparison> results(contacts.size());
     this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
       for (Index n = begin; n < end; ++n)
       {
-        results[n] = this->compare(contacts[n], bitsOnly);
+        if (this->Part.isHere(contacts[n].blockA))
+        {
+          results[n] = this->compare(contacts[n], bitsOnly);
+        }
       }
     });
+    this->Ranks.share(results, [&](Index n) { return this->Part.rankOf(contacts[n].blockA); });
+    return results;
+  }
+
+  /// Compares declared contacts. Mostly one layer of points, which are the same, is all that other ranks must send.
+  std::vector<Comparison> compareDeclared()
+  {
+    const std::vector<Interface>& all = this->Mesh.interfaces;
+    if (this->alone())
+    {
+      return this->compare(all, false);
+    }
+    std::vector<Comparison> results = this->compare(all, true);
+    std::vector<Interface> different;
+    for (std::size_t n = 0; n < all.size(); ++n)
+    {
+      if (!results[n].sameBits)
+      {
+        different.push_back(all[n]);
+      }
+    }
+    const std::vector<Comparison> compared = this->compare(different, false);
+    auto next = compared.begin();
+    for (Comparison& result : results)
+    {
+      result = result.sameBits ? result : *next++;
+    }
     return results;
   }
 
@@ -323,7 +359,7 @@ private:
       }
       this->checkRange(what, contact.blockB, contact.faceB, contact.rangeB());
     }
-    const std::vector<Comparison> compared = this->compare(this->Mesh.interfaces, false);
+    const std::vector<Comparison> compared = this->compareDeclared();
     for (std::size_t n = 0; n < compared.size(); ++n)
     {
       const Interface& contact = this->Mesh.interfaces[n];
@@ -391,6 +427,7 @@ private:
   /// found without a search for the single points.
   void takeWholeFaces()
   {
+    this->gatherCorners();
     const Index faceCount = 6 * Index(this->Surface.blockCount());
     constexpr Index None = -1;
     constexpr Index Several = -2;
@@ -464,10 +501,35 @@ private:
     return true;
   }
 
+  /// Every rank gets the corners of all blocks.
+  void gatherCorners()
+  {
+    if (this->alone())
+    {
+      return;
+    }
+    this->Corners.resize(this->Surface.blockCount());
+    for (int b = 0; b < this->Surface.blockCount(); ++b)
+    {
+      for (int c = 0; c < 8 && this->Part.isHere(b); ++c)
+      {
+        const Ijk& n = this->Surface.cells(b);
+        const Vec3 x = this->Mesh.blocks[b].points(
+          cornerSide(c, 0) * n[0], cornerSide(c, 1) * n[1], cornerSide(c, 2) * n[2]);
+        std::copy(x.data(), x.data() + 3, &this->Corners[b][3 * c]);
+      }
+    }
+    this->Ranks.share(this->Corners, [this](Index b) { return this->Part.rankOf(static_cast<int>(b)); });
+  }
+
   Vec3 faceCornerPoint(Index face, int cs, int ct) const
   {
     const int block = static_cast<int>(face / 6);
     const int side = static_cast<int>(face % 6);
+    if (!this->Corners.empty())
+    {
+      return Vec3(&this->Corners[block][3 * faceCorner(side, cs, ct)]);
+    }
     return this->Mesh.blocks[block].points(facePoint(this->Surface.cells(block), side,
       cs * this->Surface.faceCells(block, side, 0), ct * this->Surface.faceCells(block, side, 1)));
   }
@@ -549,6 +611,20 @@ private:
     return quads;
   }
 
+  /// Those of a list.
+  std::vector<Index> undecided(const std::vector<Index>& quads) const
+  {
+    std::vector<Index> result;
+    for (Index quad : quads)
+    {
+      if (this->Result.undecided(quad))
+      {
+        result.push_back(quad);
+      }
+    }
+    return result;
+  }
+
   /// Calls visit(block, position, surface point) once for every corner of the quadrilaterals, in ascending order.
   template <typename Visit>
   void forEachPoint(const std::vector<Index>& quads, const Visit& visit) const
@@ -599,8 +675,8 @@ private:
     return classes;
   }
 
-  /// Pairs the quadrilaterals with equal classes; returns those without a partner.
-  std::vector<Index> pairQuads(const std::vector<Index>& quads)
+  /// Pairs the quadrilaterals with equal classes.
+  void pairQuads(const std::vector<Index>& quads)
   {
     FirstOccurrence first(static_cast<Index>(quads.size()));
     int hint = 0;
@@ -615,7 +691,7 @@ private:
       {
         if (!this->Options.allowDegenerate)
         {
-          throw Error(this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
+          throw ErrorAt(quad, this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
         }
         this->Result.setBoundary(quad, -1);
         continue;
@@ -636,24 +712,15 @@ private:
       }
       if (!this->Result.undecided(partner))
       {
-        throw Error("ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) +
-          " and " + this->where(at) + " are at the same place near " + text(this->center(at)));
+        throw ErrorAt(quad,
+          "ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) + " and " + this->where(at) + " are at the same place near " + text(this->center(at)));
       }
-      this->Result.setContact(partner, quad, this->orientation(partner, classes));
+      this->Result.setContact(partner, quad, this->orientation(partner, quad, classes));
     }
-    std::vector<Index> single;
-    for (Index quad : quads)
-    {
-      if (this->Result.undecided(quad))
-      {
-        single.push_back(quad);
-      }
-    }
-    return single;
   }
 
-  /// Orientation code from quadrilateral `a` to one with the classes `b`, which are a's in another order.
-  int orientation(Index a, const Key& b) const
+  /// Orientation code from quadrilateral `a` to `quadB` with the classes `b`, which are a's in another order.
+  int orientation(Index a, Index quadB, const Key& b) const
   {
     const Key classes = this->key(this->Surface.quadAt(a));
     for (int code = 0; code < 8; ++code)
@@ -669,10 +736,15 @@ private:
         return code;
       }
     }
-    throw Error("ambiguous gluing: " + this->where(a) + " shares its four points with a twisted quadrilateral");
+    throw ErrorAt(
+      quadB, "ambiguous gluing: " + this->where(a) + " shares its four points with a twisted quadrilateral");
   }
 
   /// Merges classes of points that are near each other, around quadrilaterals without a partner. True if any were.
+  ///
+  /// Of classes with a point here all members and all near classes are known. Others may be known in part only; they are
+  /// merged with those alone. If nothing is refused on any rank, all that are merged are near each other, so that this is
+  /// enough to know all points of a class.
   bool mergeNearPoints(const std::vector<Index>& quads, const std::vector<Index>& single)
   {
     std::vector<Index> points;
@@ -692,24 +764,24 @@ private:
     {
       wanted[point] = true;
     }
+    std::vector<char> here(count, false);
     this->forEachPoint(quads, [&](int block, const Ijk& p, Index point) {
       if (wanted[this->Class[point]])
       {
-        double& smallest = tolerance[slotOf(this->Class[point])];
-        smallest = std::min(smallest, this->tolerance(block, p));
+        const Index slot = slotOf(this->Class[point]);
+        tolerance[slot] = std::min(tolerance[slot], this->tolerance(block, p));
+        here[slot] |= this->Part.isHere(block);
       }
     });
 
     std::vector<Vec3> x(count);
     std::vector<Box> boxes(count);
-    std::vector<Index> slots(count);
     for (Index n = 0; n < count; ++n)
     {
-      slots[n] = n;
       x[n] = this->pointOf(points[n]);
       boxes[n] = Box(x[n]);
     }
-    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
+    const BoxTree tree(boxes);
     std::vector<std::vector<std::pair<Index, Index>>> chunks((count + Chunk - 1) / Chunk);
     std::vector<char> crowded(count, false);
     this->Run.parallelFor(static_cast<Index>(chunks.size()), 1, [&](Index begin, Index end) {
@@ -718,16 +790,13 @@ private:
         for (Index n = chunk * Chunk; n < std::min(count, (chunk + 1) * Chunk); ++n)
         {
           int found = 0;
-          const auto visit = [&](Index m) {
-            if (m > n && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) && found < MostCopies)
+          tree.search(inflated(Box(x[n]), tolerance[n]), [&](Index m) {
+            if (m > n && (here[m] || here[n]) && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) && found < MostCopies)
             {
               chunks[chunk].push_back({ n, m });
               ++found;
             }
-          };
-          const Vec3 reach = Vec3::Constant(tolerance[n]);
-          BoxQuery<decltype(visit)> query{ Box(x[n] - reach, x[n] + reach), visit };
-          Eigen::BVIntersect(tree, query);
+          });
           crowded[n] = found == MostCopies;
         }
       }
@@ -737,7 +806,8 @@ private:
     {
       if (crowded[n])
       {
-        throw Error("ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) +
+        throw ErrorAt(points[n],
+          "ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) +
           " points within " + text(tolerance[n]) + " of a point of " +
           blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])));
       }
@@ -785,7 +855,8 @@ private:
       const Index root = merged.find(n);
       if (root != n && extent[root].diagonal().norm() > smallest[root])
       {
-        throw Error("ambiguous gluing near " + text(x[n]) + ": points of " +
+        throw ErrorAt(points[n],
+          "ambiguous gluing near " + text(x[n]) + ": points of " +
           blockLabel(this->Mesh, this->Surface.blockOfPoint(points[root])) + " and " +
           blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])) + " form a chain of width " +
           text(extent[root].diagonal().norm()) + ", allowed is " + text(smallest[root]));
@@ -796,6 +867,41 @@ private:
   /// Refuses quadrilaterals without a partner that lie on one another face to face: an interface that does not match
   /// node to node. Walls that are merely close are further apart than the matching tolerance.
   void refuseCoveredQuads(const std::vector<Index>& single) const
+  {
+    std::vector<Index> cover;
+    Index first = -1;
+    Index covered = 0;
+    this->Ranks.together([&] {
+      cover = this->covers(single);
+      for (Index n = static_cast<Index>(single.size()) - 1; n >= 0; --n)
+      {
+        if (cover[n] >= 0)
+        {
+          first = n;
+          ++covered;
+        }
+      }
+    });
+    Index onAllRanks = 0;
+    for (Index part : this->Ranks.gatherAll(std::vector<Index>{ covered }))
+    {
+      onAllRanks += part;
+    }
+    this->Ranks.together([&] {
+      if (covered > 0)
+      {
+        const QuadAt a = this->Surface.quadAt(single[first]);
+        const QuadAt b = this->Surface.quadAt(cover[first]);
+        throw ErrorAt(single[first],
+          "non-matching interface: " + this->where(a) + " and " + this->where(b) + " cover each other near " +
+            text(this->center(a)) + " but do not share their points (" + std::to_string(onAllRanks) +
+            " such quadrilaterals); declare them as boundaries if they are no contact");
+      }
+    });
+  }
+
+  /// Per quadrilateral the one that covers its center, or -1 if none does or it is not here.
+  std::vector<Index> covers(const std::vector<Index>& single) const
   {
     const Index count = static_cast<Index>(single.size());
     std::vector<Box> boxes(count);
@@ -813,33 +919,28 @@ private:
           boxes[n].extend(this->Mesh.blocks[at.block].points(p));
           tolerance[n] = std::min(tolerance[n], this->tolerance(at.block, p));
         }
-        const Vec3 reach = Vec3::Constant(tolerance[n]);
-        boxes[n] = Box(boxes[n].min() - reach, boxes[n].max() + reach);
+        boxes[n] = inflated(boxes[n], tolerance[n]);
       }
     });
-    std::vector<Index> slots(count);
-    for (Index n = 0; n < count; ++n)
-    {
-      slots[n] = n;
-    }
-    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
-    // Per quadrilateral the one that covers its center, or -1.
+    const BoxTree tree(boxes);
     std::vector<Index> cover(count, -1);
     const auto search = [&](Index begin, Index end) {
       for (Index n = begin; n < end; ++n)
       {
         const QuadAt at = this->Surface.quadAt(single[n]);
+        if (!this->Part.isHere(at.block))
+        {
+          continue;
+        }
         const Vec3 x = this->center(at);
-        const auto visit = [&](Index m) {
+        tree.search(Box(x), [&](Index m) {
           if (facing(normal[m], normal[n]) && (cover[n] < 0 || single[m] < cover[n]) &&
             this->covers(
               this->Surface.quadAt(single[m], at.block), normal[m], x, std::min(tolerance[n], tolerance[m])))
           {
             cover[n] = single[m];
           }
-        };
-        BoxQuery<decltype(visit)> query{ Box(x), visit };
-        Eigen::BVIntersect(tree, query);
+        });
       }
     };
     constexpr Index PerReport = 64 * Chunk;
@@ -850,24 +951,7 @@ private:
       this->Run.report(0.8 + 0.2 * start / count);
     }
     this->coverByCorners(single, normal, cover);
-    Index first = -1;
-    Index covered = 0;
-    for (Index n = count - 1; n >= 0; --n)
-    {
-      if (cover[n] >= 0)
-      {
-        first = n;
-        ++covered;
-      }
-    }
-    if (covered > 0)
-    {
-      const QuadAt a = this->Surface.quadAt(single[first]);
-      const QuadAt b = this->Surface.quadAt(cover[first]);
-      throw Error("non-matching interface: " + this->where(a) + " and " + this->where(b) +
-        " cover each other near " + text(this->center(a)) + " but do not share their points (" +
-        std::to_string(covered) + " such quadrilaterals); declare them as boundaries if they are no contact");
-    }
+    return cover;
   }
 
   /// On curved faces the centers are apart. There at least a quadrilateral is covered whose corners are all shared with
@@ -891,6 +975,10 @@ private:
         Index shared = 0;
         Index other = -1;
         const QuadAt quad = this->Surface.quadAt(single[n]);
+        if (!this->Part.isHere(quad.block))
+        {
+          continue;
+        }
         const double size = (this->corner(quad, 0, 0) - this->corner(quad, 1, 1)).norm();
         const auto before = [&](Index m) {
           return facing(normal[m], normal[n]) &&
@@ -947,19 +1035,23 @@ private:
   /// More points than blocks of any sensible mesh meet.
   static constexpr int MostCopies = 1000;
 
+  PartialMesh& Part;
   const BlockMesh& Mesh;
   const SurfaceNumbering& Surface;
   const std::vector<bool>& LeftHanded;
   const BlockComplexOptions& Options;
   const Execution& Run;
+  const bsv::Ranks& Ranks;
   Contacts Result;
+  /// Per block the coordinates of its corners, if there are other ranks.
+  std::vector<std::array<double, 24>> Corners;
   /// Per surface point the point that stands for its class, or -1 where nothing is searched.
   std::vector<Index> Class;
 };
 
 } // namespace
 
-Contacts glue(const BlockMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
+Contacts glue(PartialMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
   const BlockComplexOptions& options, const Execution& run)
 {
   return Gluer(mesh, surface, leftHanded, options, run).glue();

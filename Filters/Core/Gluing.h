@@ -5,6 +5,7 @@
 
 #include "BlockComplex.h"
 #include "BlockSurface.h"
+#include "PartialMesh.h"
 
 namespace bsv
 {
@@ -16,10 +17,13 @@ namespace bsv
 /// without a partner, those closer than BlockComplexOptions::matchTolerance times the shortest mesh edge at either);
 /// two quadrilaterals with the same four classes meet.
 ///
+/// Collective. Each rank searches the partners of its own quadrilaterals among all that are near them, of which it fetches
+/// those of other ranks; what it finds is gathered, so that all ranks return the same contacts.
+///
 /// @throws Error for declarations out of bounds, overlapping or not matching the coordinates; more than two
 /// quadrilaterals at one place; classes wider than the tolerance; collapsed quadrilaterals (unless allowed); and
 /// quadrilaterals without a partner that cover each other (contacts that do not match node to node).
-Contacts glue(const BlockMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
+Contacts glue(PartialMesh& mesh, const SurfaceNumbering& surface, const std::vector<bool>& leftHanded,
   const BlockComplexOptions& options, const Execution& run);
 
 } // namespace bsv

@@ -3,6 +3,7 @@
 
 #include "BlockSurface.h"
 #include "PlainCells.h"
+#include "Ranks.h"
 
 #include <Eigen/Geometry>
 
@@ -32,16 +33,21 @@ enum class Fault
   Degenerate
 };
 
-/// What was found in a slab. Cells are numbered i fastest within their block.
-struct Finding
+/// Cells are numbered i fastest within their block.
+struct CellCount
 {
-  Fault fault = Fault::None;
-  Ijk faultAt{ 0, 0, 0 };
-  const char* faultText = "";
   double volume = 0.0;
   /// Cells by the sign of their corner Jacobians: all negative, mixed or zero, all positive; and the first of each.
   std::array<Index, 3> cells{ 0, 0, 0 };
   std::array<Ijk, 3> firstCell{};
+};
+
+/// What was found in a slab.
+struct Finding : CellCount
+{
+  Fault fault = Fault::None;
+  Ijk faultAt{ 0, 0, 0 };
+  const char* faultText = "";
 };
 
 enum CellSign
@@ -203,7 +209,7 @@ double largestCoordinate(const GridView& points)
   return largest;
 }
 
-void checkSizes(const BlockMesh& mesh)
+void checkSizes(const BlockMesh& mesh, const Ranks& ranks)
 {
   for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
   {
@@ -212,9 +218,16 @@ void checkSizes(const BlockMesh& mesh)
     {
       if (block.points.counts()[d] < 2)
       {
-        throw Error(blockLabel(mesh, b) + " has " + std::to_string(block.points.counts()[d]) + " points in direction " +
-          "ijk"[d] + ", at least 2 are needed");
+        throw ErrorAt(b, blockLabel(mesh, b) + " has " + std::to_string(block.points.counts()[d]) +
+          " points in direction " + "ijk"[d] + ", at least 2 are needed");
       }
+    }
+    const bool alone = ranks.size() == 1;
+    if (block.points.isHere() != (alone || block.rank == ranks.rank()) ||
+      (!alone && (block.rank < 0 || block.rank >= ranks.size())))
+    {
+      throw ErrorAt(b, blockLabel(mesh, b) + " belongs to rank " + std::to_string(block.rank) + " of " +
+        std::to_string(ranks.size()) + ", where its points are not");
     }
     if (block.creaseSharpness.empty())
     {
@@ -222,7 +235,7 @@ void checkSizes(const BlockMesh& mesh)
     }
     if (static_cast<Index>(block.creaseSharpness.size()) != block.points.size())
     {
-      throw Error(blockLabel(mesh, b) + " has " + std::to_string(block.creaseSharpness.size()) +
+      throw ErrorAt(b, blockLabel(mesh, b) + " has " + std::to_string(block.creaseSharpness.size()) +
         " values of crease sharpness for " + std::to_string(block.points.size()) + " points");
     }
     for (Index n = 0; n < block.points.size(); ++n)
@@ -233,7 +246,7 @@ void checkSizes(const BlockMesh& mesh)
         const Ijk& counts = block.points.counts();
         const Ijk at{ static_cast<int>(n % counts[0]), static_cast<int>(n / counts[0] % counts[1]),
           static_cast<int>(n / counts[0] / counts[1]) };
-        throw Error(blockLabel(mesh, b) + ", point " + text(at) + ": crease sharpness " + text(sharpness) +
+        throw ErrorAt(b, blockLabel(mesh, b) + ", point " + text(at) + ": crease sharpness " + text(sharpness) +
           " is neither 0 nor infinite (at least " + text(SharpnessInfinite) +
           "); semi-sharp creases are not supported");
       }
@@ -241,20 +254,21 @@ void checkSizes(const BlockMesh& mesh)
   }
 }
 
-} // namespace
-
-MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution& run)
+/// Counts the cells of the blocks that are here.
+std::vector<CellCount> checkCells(const BlockMesh& mesh, bool allowDegenerate, const Execution& run)
 {
-  checkSizes(mesh);
-
   // Slabs of some ten thousand cells, over all blocks, so that many small blocks cost as little as a large one.
   constexpr Index CellsPerSlab = 1 << 15;
   constexpr Index SlabsPerReport = 128;
   const int blockCount = static_cast<int>(mesh.blocks.size());
   std::vector<Slab> slabs;
-  std::vector<double> zeroLength;
+  std::vector<double> zeroLength(blockCount, 0.0);
   for (int b = 0; b < blockCount; ++b)
   {
+    if (!mesh.blocks[b].points.isHere())
+    {
+      continue;
+    }
     const GridView& points = mesh.blocks[b].points;
     const Ijk& n = points.counts();
     const Index layers = std::max<Index>(1, CellsPerSlab / (Index(n[0]) * n[1]));
@@ -262,12 +276,10 @@ MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution
     {
       slabs.push_back({ b, static_cast<int>(k), static_cast<int>(std::min<Index>(k + layers, n[2] - 1)) });
     }
-    zeroLength.push_back(16.0 * std::numeric_limits<double>::epsilon() * largestCoordinate(points));
+    zeroLength[b] = 16.0 * std::numeric_limits<double>::epsilon() * largestCoordinate(points);
   }
 
-  MeshCheck check;
-  check.leftHanded.resize(blockCount);
-  std::vector<Finding> perBlock(blockCount);
+  std::vector<CellCount> perBlock(blockCount);
   std::vector<Finding> findings;
   const Index slabCount = static_cast<Index>(slabs.size());
   for (Index first = 0; first < slabCount; first += SlabsPerReport)
@@ -287,12 +299,12 @@ MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution
       const Finding& found = findings[n];
       if (found.fault == Fault::NotFinite)
       {
-        throw Error(blockLabel(mesh, b) + ", point " + text(found.faultAt) + ": coordinates " +
+        throw ErrorAt(b, blockLabel(mesh, b) + ", point " + text(found.faultAt) + ": coordinates " +
           text(mesh.blocks[b].points(found.faultAt)) + " are not finite");
       }
       if (found.fault == Fault::Degenerate)
       {
-        throw Error(blockLabel(mesh, b) + ": cell " + text(found.faultAt) + " " + found.faultText + " (near " +
+        throw ErrorAt(b, blockLabel(mesh, b) + ": cell " + text(found.faultAt) + " " + found.faultText + " (near " +
           text(mesh.blocks[b].points(found.faultAt)) + "); collapsed cells are not allowed");
       }
       perBlock[b].volume += found.volume;
@@ -307,6 +319,21 @@ MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution
     }
     run.report(double(first + count) / slabCount);
   }
+  return perBlock;
+}
+
+} // namespace
+
+MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution& run)
+{
+  std::vector<CellCount> perBlock;
+  run.ranks->together([&] { checkSizes(mesh, *run.ranks); });
+  run.ranks->together([&] { perBlock = checkCells(mesh, allowDegenerate, run); });
+  run.ranks->share(perBlock, [&](Index b) { return mesh.blocks[b].rank; });
+
+  MeshCheck check;
+  const int blockCount = static_cast<int>(mesh.blocks.size());
+  check.leftHanded.resize(blockCount);
 
   const auto before = [](const Ijk& a, const Ijk& b) {
     return std::make_tuple(a[2], a[1], a[0]) < std::make_tuple(b[2], b[1], b[0]);

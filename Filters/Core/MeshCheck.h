@@ -28,6 +28,8 @@ struct MeshCheck
 /// (beyond 16 machine epsilons of the block's coordinates), cells whose eight corner Jacobians are all zero (to 1e-12
 /// of the product of the edges), and cell faces whose four corners have no area.
 ///
+/// Collective: every rank looks at its own blocks.
+///
 /// @throws Error that names the first block and point or cell.
 MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution& run);
 

@@ -76,4 +76,23 @@ std::vector<std::vector<T>> gatherListsFromOwners(
   return lists;
 }
 
+/// value(i) of all i < count, on all ranks. Each computes an equal part of them, in ranges of about `grain`. Collective.
+template <typename T, typename Value>
+std::vector<T> sharedOut(Index count, Index grain, const Execution& run, const Value& value)
+{
+  const Ranks& ranks = *run.ranks;
+  const Index first = count * ranks.rank() / ranks.size();
+  const Index last = count * (ranks.rank() + 1) / ranks.size();
+  std::vector<T> mine(last - first);
+  ranks.together([&] {
+    run.parallelFor(last - first, grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+      {
+        mine[i] = value(first + i);
+      }
+    });
+  });
+  return ranks.size() == 1 ? mine : ranks.gatherAll(mine);
+}
+
 } // namespace bsv

@@ -2,6 +2,7 @@
 #include "Ranks.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace bsv
 {
@@ -29,40 +30,50 @@ std::vector<Ranks::Bytes> Ranks::counted(std::vector<Bytes> parts) const
 
 void Ranks::agree(const std::function<void()>& body) const
 {
-  enum Ending : char
+  struct Ending
   {
-    Done,
-    Stopped,
-    Failed
+    enum
+    {
+      Done,
+      Stopped,
+      Failed
+    } kind = Done;
+    Index place = std::numeric_limits<Index>::max();
   };
-  Bytes ending{ Done };
+  Ending ending;
+  std::string text;
   try
   {
     body();
   }
   catch (const Aborted&)
   {
-    ending = { Stopped };
+    ending = { Ending::Stopped, -1 };
+  }
+  catch (const ErrorAt& error)
+  {
+    ending = { Ending::Failed, error.place() };
+    text = error.what();
   }
   catch (const std::exception& error)
   {
-    ending = { Failed };
-    for (const char* c = error.what(); *c; ++c)
-    {
-      ending.push_back(*c);
-    }
+    ending = { Ending::Failed, -1 };
+    text = error.what();
   }
-  for (const Bytes& other : this->gather(ending))
+  const std::vector<Ending> endings = this->gatherAll(std::vector<Ending>{ ending });
+  const auto first = std::min_element(
+    endings.begin(), endings.end(), [](const Ending& a, const Ending& b) { return a.place < b.place; });
+  if (first->kind == Ending::Done)
   {
-    if (other.front() == Stopped)
-    {
-      throw Aborted();
-    }
-    if (other.front() == Failed)
-    {
-      throw Error(std::string(other.begin() + 1, other.end()));
-    }
+    return;
   }
+  const std::vector<Bytes> texts = this->gather(Bytes(text.begin(), text.end()));
+  if (first->kind == Ending::Stopped)
+  {
+    throw Aborted();
+  }
+  const Bytes& chosen = texts[first - endings.begin()];
+  throw Error(std::string(chosen.begin(), chosen.end()));
 }
 
 std::vector<int> distributeBlocks(const std::vector<Index>& points, int size)

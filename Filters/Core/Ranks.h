@@ -15,6 +15,22 @@
 namespace bsv
 {
 
+/// An error at a numbered place. Of the errors that several ranks throw in Ranks::together(), the one at the lowest place
+/// is thrown on all: the one that a process alone, which goes through all places in order, meets first.
+class ErrorAt : public Error
+{
+public:
+  ErrorAt(Index place, const std::string& text)
+    : Error(text)
+    , Place(place)
+  {
+  }
+  Index place() const { return this->Place; }
+
+private:
+  Index Place;
+};
+
 /// One process of several. This class is the one of a process that is alone; others override the protected methods.
 class Ranks
 {
@@ -56,10 +72,49 @@ public:
     }
     return this->unpacked<T>(this->counted(this->exchangeBytes(std::move(bytes))));
   }
+  /// Gives all ranks the value n of the rank ownerOf(n), for all n.
+  template <typename T, typename OwnerOf>
+  void share(std::vector<T>& values, const OwnerOf& ownerOf) const
+  {
+    if (this->size() == 1)
+    {
+      return;
+    }
+    std::vector<T> mine;
+    for (Index n = 0; n < static_cast<Index>(values.size()); ++n)
+    {
+      if (ownerOf(n) == this->rank())
+      {
+        mine.push_back(values[n]);
+      }
+    }
+    const std::vector<std::vector<T>> parts = this->gather(mine);
+    std::vector<std::size_t> next(parts.size(), 0);
+    for (Index n = 0; n < static_cast<Index>(values.size()); ++n)
+    {
+      values[n] = parts[ownerOf(n)][next[ownerOf(n)]++];
+    }
+  }
+  /// questions[r] go to rank r, which answers each with answer(question); returns the answers in the same places.
+  template <typename Question, typename Answer>
+  auto ask(const std::vector<std::vector<Question>>& questions, const Answer& answer) const
+  {
+    std::vector<std::vector<decltype(answer(questions[0][0]))>> answers;
+    for (const std::vector<Question>& part : this->exchange(questions))
+    {
+      answers.emplace_back();
+      answers.back().reserve(part.size());
+      for (const Question& question : part)
+      {
+        answers.back().push_back(answer(question));
+      }
+    }
+    return this->exchange(answers);
+  }
   /// Whether it is true on any rank.
   bool any(bool mine) const;
-  /// Runs `body`, which communicates with no other rank. If it throws on any of them, the exception of the first of these
-  /// is thrown on all, as Error or Aborted.
+  /// Runs `body`, which communicates with no other rank. If it throws on any of them, one of the exceptions is thrown on
+  /// all, as Error or Aborted: that of the first rank, or of several ErrorAt the one at the lowest place.
   template <typename Body>
   void together(const Body& body) const
   {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Splitting.h"
 
+#include "Ranks.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -299,46 +301,73 @@ private:
 
 } // namespace
 
-CreaseEdges::CreaseEdges(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-  const std::vector<bool>& leftHanded, double creaseAngle)
+/// Marks the edges in the bits of a CreaseEdges.
+class CreaseEdges::Search
 {
-  this->markTagged(mesh, surface, contacts);
-  if (creaseAngle < 180.0)
+public:
+  Search(CreaseEdges& creases, const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
+    const std::vector<bool>& leftHanded, const Ranks& ranks)
+    : Bits(creases.Bits)
+    , Mesh(mesh)
+    , Surface(surface)
+    , Links(contacts)
+    , LeftHanded(leftHanded)
+    , Others(ranks)
   {
-    this->markSharp(mesh, surface, contacts, leftHanded, creaseAngle);
   }
-}
 
-void CreaseEdges::markTagged(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts)
-{
-  std::vector<std::vector<CreaseLine>> lines(mesh.blocks.size());
-  for (int n = 0; n < static_cast<int>(mesh.creases.size()); ++n)
+  void operator()(double creaseAngle)
   {
-    checkCreaseLine(mesh, n);
-    CreaseLine line = mesh.creases[n];
-    for (int d = 0; d < 3; ++d)
+    this->markLines();
+    for (int b = 0; b < this->Surface.blockCount(); ++b)
     {
-      if (line.from[d] > line.to[d])
+      this->markSharpness(b);
+    }
+    if (creaseAngle < 180.0)
+    {
+      this->fetchNormals();
+      this->markSharp(creaseAngle);
+    }
+    if (this->Others.size() > 1)
+    {
+      for (const Marked& edge : this->Others.gatherAll(this->New))
       {
-        std::swap(line.from, line.to);
+        this->mark({ this->Surface.quadAt(edge.quad), edge.axis, edge.side });
       }
     }
-    lines[line.block].push_back(line);
   }
-  for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
+
+private:
+  struct Marked
   {
-    for (const CreaseLine& line : lines[b])
+    Index quad;
+    int axis;
+    int side;
+  };
+  using Normal = std::array<double, 3>;
+
+  void markLines()
+  {
+    for (int n = 0; n < static_cast<int>(this->Mesh.creases.size()); ++n)
+    {
+      checkCreaseLine(this->Mesh, n);
+    }
+    for (CreaseLine line : this->Mesh.creases)
     {
       int direction = 0;
       while (line.from[direction] == line.to[direction])
       {
         ++direction;
       }
+      if (line.from[direction] > line.to[direction])
+      {
+        std::swap(line.from, line.to);
+      }
       // Every face that the line lies on.
       for (int face = 0; face < 6; ++face)
       {
         const int normal = faceDirection(face);
-        if (normal == direction || line.from[normal] != (faceSide(face) ? surface.cells(b)[normal] : 0))
+        if (normal == direction || line.from[normal] != (faceSide(face) ? this->Surface.cells(line.block)[normal] : 0))
         {
           continue;
         }
@@ -348,104 +377,202 @@ void CreaseEdges::markTagged(const BlockMesh& mesh, const SurfaceNumbering& surf
         edge.side = across == 0 ? 0 : 1;
         for (int along = line.from[direction]; along < line.to[direction]; ++along)
         {
-          edge.quad = { b, face, edge.axis == 0 ? along : across - edge.side,
+          edge.quad = { line.block, face, edge.axis == 0 ? along : across - edge.side,
             edge.axis == 0 ? across - edge.side : along };
-          this->mark(surface, contacts, edge);
+          this->mark(edge);
         }
       }
     }
-    const std::vector<double>& sharpness = mesh.blocks[b].creaseSharpness;
+  }
+
+  void markSharpness(int b)
+  {
+    const std::vector<double>& sharpness = this->Mesh.blocks[b].creaseSharpness;
     if (sharpness.empty())
     {
-      continue;
+      return;
     }
-    const Ijk& counts = mesh.blocks[b].points.counts();
+    const Ijk& counts = this->Mesh.blocks[b].points.counts();
     const auto sharp = [&](const QuadAt& at, int cs, int ct) {
-      const Ijk p = surface.corner(at, cs, ct);
+      const Ijk p = this->Surface.corner(at, cs, ct);
       return sharpness[p[0] + Index(counts[0]) * (p[1] + Index(counts[1]) * p[2])] >= SharpnessInfinite;
     };
-    forEachQuad(surface, b, [&](const QuadAt& at, Index) {
+    forEachQuad(this->Surface, b, [&](const QuadAt& at, Index quad) {
       for (int axis = 0; axis < 2; ++axis)
       {
         for (int side = 0; side < 2; ++side)
         {
           if (axis == 0 ? sharp(at, 0, side) && sharp(at, 1, side) : sharp(at, side, 0) && sharp(at, side, 1))
           {
-            this->mark(surface, contacts, { at, axis, side });
+            this->markOwn(quad, { at, axis, side });
           }
         }
       }
     });
   }
-}
 
-void CreaseEdges::markSharp(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-  const std::vector<bool>& leftHanded, double creaseAngle)
-{
-  const double limit = std::cos(creaseAngle * std::acos(-1.0) / 180.0);
-  for (int b = 0; b < surface.blockCount(); ++b)
+  /// Calls visit(quadrilateral, its number, axis, side, other quadrilateral, its number) for all edges between two
+  /// boundary quadrilaterals of which the first is here and has the lower number.
+  template <typename Visit>
+  void forEachBoundaryEdge(const Visit& visit) const
   {
-    forEachQuad(surface, b, [&](const QuadAt& at, Index quad) {
-      if (!contacts.boundary(quad))
-      {
-        return;
-      }
-      const Vec3 normal = outwardNormal(mesh, surface, at, leftHanded[b]);
-      for (int axis = 0; axis < 2; ++axis)
-      {
-        for (int side = 0; side < 2; ++side)
-        {
-          QuadEdge other = surface.across({ at, axis, side });
-          Index otherQuad = surface.quad(other.quad);
-          while (!contacts.boundary(otherQuad))
-          {
-            other = surface.across(throughContact(surface, contacts, other));
-            otherQuad = surface.quad(other.quad);
-          }
-          const Vec3 otherNormal = outwardNormal(mesh, surface, other.quad, leftHanded[other.quad.block]);
-          if (otherQuad > quad && normal.dot(otherNormal) < limit * (normal.norm() * otherNormal.norm()))
-          {
-            this->mark(surface, contacts, { at, axis, side });
-          }
-        }
-      }
-    });
-  }
-}
-
-void CreaseEdges::mark(const SurfaceNumbering& surface, const Contacts& contacts, const QuadEdge& edge)
-{
-  // All quadrilaterals at the edge: from one boundary to the other, or back to the start if it is inside.
-  std::vector<QuadEdge> around{ edge };
-  const auto isStart = [&](const QuadEdge& e) {
-    return surface.quad(e.quad) == surface.quad(edge.quad) && e.axis == edge.axis && e.side == edge.side;
-  };
-  // Forwards the walk leaves `edge` through its block, backwards through its contact.
-  for (int backwards = 0; backwards < 2; ++backwards)
-  {
-    QuadEdge at = edge;
-    for (bool throughBlock = !backwards;; throughBlock = !throughBlock)
+    for (int b = 0; b < this->Surface.blockCount(); ++b)
     {
-      if (!throughBlock && contacts.boundary(surface.quad(at.quad)))
+      if (!this->Mesh.blocks[b].points.isHere())
       {
-        break;
+        continue;
       }
-      at = throughBlock ? surface.across(at) : throughContact(surface, contacts, at);
-      if (isStart(at))
-      {
-        return;
-      }
-      around.push_back(at);
+      forEachQuad(this->Surface, b, [&](const QuadAt& at, Index quad) {
+        if (!this->Links.boundary(quad))
+        {
+          return;
+        }
+        for (int axis = 0; axis < 2; ++axis)
+        {
+          for (int side = 0; side < 2; ++side)
+          {
+            QuadEdge other = this->Surface.across({ at, axis, side });
+            Index otherQuad = this->Surface.quad(other.quad);
+            while (!this->Links.boundary(otherQuad))
+            {
+              other = this->Surface.across(throughContact(this->Surface, this->Links, other));
+              otherQuad = this->Surface.quad(other.quad);
+            }
+            if (otherQuad > quad)
+            {
+              visit(QuadEdge{ at, axis, side }, quad, other.quad, otherQuad);
+            }
+          }
+        }
+      });
     }
   }
-  if (this->Bits.empty())
+
+  Vec3 normal(const QuadAt& at) const
   {
-    this->Bits.assign(surface.quadCount(), 0);
+    return outwardNormal(this->Mesh, this->Surface, at, this->LeftHanded[at.block]);
   }
-  for (const QuadEdge& e : around)
+
+  /// Asks for the normals of the quadrilaterals on other ranks that share an edge with one here.
+  void fetchNormals()
   {
-    this->Bits[surface.quad(e.quad)] |= static_cast<std::uint8_t>(1 << (2 * e.axis + e.side));
+    if (this->Others.size() == 1)
+    {
+      return;
+    }
+    this->Wanted.resize(this->Others.size());
+    this->forEachBoundaryEdge([&](const QuadEdge&, Index, const QuadAt& other, Index otherQuad) {
+      const MeshBlock& block = this->Mesh.blocks[other.block];
+      if (!block.points.isHere())
+      {
+        this->Wanted[block.rank].push_back(otherQuad);
+      }
+    });
+    for (std::vector<Index>& quads : this->Wanted)
+    {
+      std::sort(quads.begin(), quads.end());
+      quads.erase(std::unique(quads.begin(), quads.end()), quads.end());
+    }
+    this->Normals = this->Others.ask(this->Wanted, [this](Index quad) -> Normal {
+      const Vec3 n = this->normal(this->Surface.quadAt(quad));
+      return { n[0], n[1], n[2] };
+    });
   }
+
+  Vec3 normalOf(const QuadAt& at, Index quad) const
+  {
+    const MeshBlock& block = this->Mesh.blocks[at.block];
+    if (block.points.isHere())
+    {
+      return this->normal(at);
+    }
+    const std::vector<Index>& quads = this->Wanted[block.rank];
+    const Normal& n =
+      this->Normals[block.rank][std::lower_bound(quads.begin(), quads.end(), quad) - quads.begin()];
+    return Vec3(n[0], n[1], n[2]);
+  }
+
+  void markSharp(double creaseAngle)
+  {
+    const double limit = std::cos(creaseAngle * std::acos(-1.0) / 180.0);
+    this->forEachBoundaryEdge([&](const QuadEdge& edge, Index quad, const QuadAt& other, Index otherQuad) {
+      const Vec3 a = this->normal(edge.quad);
+      const Vec3 b = this->normalOf(other, otherQuad);
+      if (a.dot(b) < limit * (a.norm() * b.norm()))
+      {
+        this->markOwn(quad, edge);
+      }
+    });
+  }
+
+  /// Marks an edge of which the other ranks do not know.
+  void markOwn(Index quad, const QuadEdge& edge)
+  {
+    if (this->mark(edge) && this->Others.size() > 1)
+    {
+      this->New.push_back({ quad, edge.axis, edge.side });
+    }
+  }
+
+  /// Marks an edge on all quadrilaterals at it, if it is on the outer boundary. False if nothing changed.
+  bool mark(const QuadEdge& edge)
+  {
+    const auto bit = [](const QuadEdge& e) { return static_cast<std::uint8_t>(1 << (2 * e.axis + e.side)); };
+    const Index start = this->Surface.quad(edge.quad);
+    if (!this->Bits.empty() && (this->Bits[start] & bit(edge)) != 0)
+    {
+      return false;
+    }
+    // From one boundary to the other, or back to the start if it is inside.
+    std::vector<QuadEdge> around{ edge };
+    const auto isStart = [&](const QuadEdge& e) {
+      return this->Surface.quad(e.quad) == start && e.axis == edge.axis && e.side == edge.side;
+    };
+    // Forwards the walk leaves `edge` through its block, backwards through its contact.
+    for (int backwards = 0; backwards < 2; ++backwards)
+    {
+      QuadEdge at = edge;
+      for (bool throughBlock = !backwards;; throughBlock = !throughBlock)
+      {
+        if (!throughBlock && this->Links.boundary(this->Surface.quad(at.quad)))
+        {
+          break;
+        }
+        at = throughBlock ? this->Surface.across(at) : throughContact(this->Surface, this->Links, at);
+        if (isStart(at))
+        {
+          return false;
+        }
+        around.push_back(at);
+      }
+    }
+    if (this->Bits.empty())
+    {
+      this->Bits.assign(this->Surface.quadCount(), 0);
+    }
+    for (const QuadEdge& e : around)
+    {
+      this->Bits[this->Surface.quad(e.quad)] |= bit(e);
+    }
+    return true;
+  }
+
+  std::vector<std::uint8_t>& Bits;
+  const BlockMesh& Mesh;
+  const SurfaceNumbering& Surface;
+  const Contacts& Links;
+  const std::vector<bool>& LeftHanded;
+  const Ranks& Others;
+  std::vector<Marked> New;
+  /// Per rank the quadrilaterals asked for, ascending, and their normals.
+  std::vector<std::vector<Index>> Wanted;
+  std::vector<std::vector<Normal>> Normals;
+};
+
+CreaseEdges::CreaseEdges(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
+  const std::vector<bool>& leftHanded, double creaseAngle, const Ranks& ranks)
+{
+  Search(*this, mesh, surface, contacts, leftHanded, ranks)(creaseAngle);
 }
 
 std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface,

@@ -11,12 +11,12 @@
 namespace bsv
 {
 
-/// The mesh edges on the outer boundary that are creases.
+/// The mesh edges on the outer boundary that are creases. Collective: every rank looks at its own blocks.
 class CreaseEdges
 {
 public:
   CreaseEdges(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-    const std::vector<bool>& leftHanded, double creaseAngle);
+    const std::vector<bool>& leftHanded, double creaseAngle, const Ranks& ranks);
 
   bool empty() const { return this->Bits.empty(); }
   /// The same for all quadrilaterals, of all blocks, at one mesh edge.
@@ -26,10 +26,7 @@ public:
   }
 
 private:
-  void markTagged(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts);
-  void markSharp(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-    const std::vector<bool>& leftHanded, double creaseAngle);
-  void mark(const SurfaceNumbering& surface, const Contacts& contacts, const QuadEdge& edge);
+  class Search;
 
   /// Per surface quadrilateral one bit per edge; empty while there are no creases.
   std::vector<std::uint8_t> Bits;

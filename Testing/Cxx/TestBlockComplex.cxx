@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The block complex: topology known from the geometry, independence of numbering and orientation, cuts, welding and
-/// refusals.
+/// The block complex: topology known from the geometry, independence of numbering, orientation and distribution over
+/// ranks, cuts, welding and refusals.
 #include "BlockComplex.h"
+#include "DistributedComplex.h"
 #include "EntityClass.h"
 #include "MeshCases.h"
 
@@ -211,8 +212,10 @@ std::vector<std::vector<std::uint64_t>> signature(const BlockComplex& c)
   return result;
 }
 
+/// Everything that is built here, or refused, is so on several ranks too.
 BlockComplex build(MeshCase& mesh, const BlockComplexOptions& options = {})
 {
+  bsvtest::expectSameOnRanks(mesh.mesh(), options);
   // The views must not outlive their mesh; the tests keep the points alive.
   return buildBlockComplex(mesh.mesh(), options);
 }

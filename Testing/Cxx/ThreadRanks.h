@@ -3,12 +3,14 @@
 /// Ranks in one process, each a thread, so that any number of them can be tested without MPI.
 #pragma once
 
+#include "BlockMesh.h"
 #include "Ranks.h"
 
 #include <condition_variable>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -132,6 +134,23 @@ std::vector<std::string> onRanks(int size, const Work& work)
     thread.join();
   }
   return errors;
+}
+
+/// What rank `rank` has of a mesh whose block b is on rank rankOf[b]. `mesh` must outlive it.
+inline bsv::BlockMesh distributed(const bsv::BlockMesh& mesh, const std::vector<int>& rankOf, int rank)
+{
+  bsv::BlockMesh part = mesh;
+  for (std::size_t b = 0; b < part.blocks.size(); ++b)
+  {
+    bsv::MeshBlock& block = part.blocks[b];
+    block.rank = rankOf[b];
+    if (block.rank != rank)
+    {
+      block.points = bsv::GridView::elsewhere(block.points.counts());
+      block.creaseSharpness.clear();
+    }
+  }
+  return part;
 }
 
 } // namespace bsvtest
