@@ -103,6 +103,10 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks
     result.names.push_back(block.name);
   }
   result.volumes.resize(count);
+  for (std::size_t b = 0; b < count; ++b)
+  {
+    result.volumes[b].rank = result.ranks[b];
+  }
   result.rational.resize(count, 0);
   result.weights.resize(count);
   result.rules.resize(count, nullptr);

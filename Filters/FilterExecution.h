@@ -94,14 +94,14 @@ inline void silenceFailure(vtkAlgorithm* algorithm)
 /// Runs the body of a filter's RequestData. It may communicate with the other ranks, and is over on all of them when it
 /// is on one: an abort or an error, wherever it happens, leaves an empty output everywhere. An error is raised by
 /// `algorithm` with the text of the exception, once: on the first rank.
+/// @param ranks which take part
 /// @return what RequestData returns: 0 after an error, else 1
 template <typename Output, typename Body>
-int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
+int execute(vtkAlgorithm* algorithm, Output* output, const Ranks& ranks, const Body& body)
 {
-  const std::shared_ptr<const Ranks> ranks = globalRanks();
   try
   {
-    ranks->together(body);
+    ranks.together(body);
   }
   catch (const Aborted&)
   {
@@ -110,7 +110,7 @@ int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
   catch (const std::exception& error)
   {
     output->Initialize();
-    if (ranks->rank() == 0)
+    if (ranks.rank() == 0)
     {
       vtkErrorWithObjectMacro(algorithm, << error.what());
     }
@@ -121,6 +121,13 @@ int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
     return 0;
   }
   return 1;
+}
+
+/// The same on all ranks of the global controller.
+template <typename Output, typename Body>
+int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
+{
+  return execute(algorithm, output, *globalRanks(), body);
 }
 
 /// Raises warnings of `algorithm` that all ranks have, once: on the first rank.

@@ -115,7 +115,10 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
   body->Initialize();
   this->NumberOfMeshPoints = 0;
   this->MinimumScaledJacobian = 0.0;
-  return bsv::execute(this, mesh, [&] {
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution firstHalf = bsv::pieceExecution(this, piece, 0.0, 0.5);
+  const bsv::Execution run = bsv::pieceExecution(this, piece, 0.5, 1.0);
+  return bsv::execute(this, mesh, *run.ranks, [&] {
     bsv::WingFuselageOptions options;
     options.shape.span = this->Span;
     options.shape.sweepAngle = this->SweepAngle;
@@ -125,9 +128,6 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     options.growthRatio = this->GrowthRatio;
     const bsv::WingFuselageLayout layout = bsv::wingFuselageLayout(options);
 
-    const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
-    const bsv::Execution firstHalf = bsv::pieceExecution(this, piece, 0.0, 0.5);
-    const bsv::Execution run = bsv::pieceExecution(this, piece, 0.5, 1.0);
     const std::vector<int> owners = piece.owners(layout.counts);
     std::vector<bsv::BodyPatch> patches;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids(layout.counts.size());

@@ -192,30 +192,22 @@ void checkContacts(BlockMesh mesh, const std::vector<DeclaredContact>& contacts,
     wanted, static_cast<int>(mesh.blocks.size()), [&](int block) { return mesh.blocks[block].rank; },
     [&](int block) -> GridView& { return mesh.blocks[block].points; }, ranks);
 
-  std::size_t wrong = contacts.size();
-  std::string text;
-  for (std::size_t i = 0; i < contacts.size() && text.empty(); ++i)
-  {
-    const Interface& c = contacts[i].contact;
-    if (!isHere(c.blockA) || (ranks.size() == 1 && !isHere(c.blockB)))
-    {
-      continue;
-    }
-    try
-    {
-      checkContact(mesh, c);
-    }
-    catch (const Error& error)
-    {
-      wrong = i;
-      text = contacts[i].where + ": " + error.what();
-    }
-  }
-  const std::vector<std::size_t> all = ranks.gatherAll(std::vector<std::size_t>{ wrong });
   ranks.together([&] {
-    if (!text.empty() && wrong == *std::min_element(all.begin(), all.end()))
+    for (std::size_t i = 0; i < contacts.size(); ++i)
     {
-      throw Error(text);
+      const Interface& c = contacts[i].contact;
+      if (!isHere(c.blockA) || (ranks.size() == 1 && !isHere(c.blockB)))
+      {
+        continue;
+      }
+      try
+      {
+        checkContact(mesh, c);
+      }
+      catch (const Error& error)
+      {
+        throw ErrorAt(static_cast<Index>(i), contacts[i].where + ": " + error.what());
+      }
     }
   });
 }

@@ -103,9 +103,9 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }
-  const int success = bsv::execute(this, output, [&] {
-    const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
-    const bsv::Execution run = bsv::pieceExecution(this, piece);
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution run = bsv::pieceExecution(this, piece);
+  const int success = bsv::execute(this, output, *run.ranks, [&] {
     bsv::BSplineVolumeFileContent content;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     std::vector<std::string> names;
@@ -142,7 +142,7 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
     {
       this->NotRead += (this->NotRead.empty() ? "" : ", ") + std::to_string(other.second) + " " + other.first;
     }
-    if (!this->NotRead.empty())
+    if (!this->NotRead.empty() && run.ranks->rank() == 0)
     {
       vtkWarningMacro(<< this->FileName << ": left out: " << this->NotRead);
     }

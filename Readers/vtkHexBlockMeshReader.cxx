@@ -107,9 +107,9 @@ int vtkHexBlockMeshReader::RequestData(
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }
-  const int success = bsv::execute(this, output, [&] {
-    const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
-    const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.95);
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.95);
+  const int success = bsv::execute(this, output, *run.ranks, [&] {
     std::string layoutName;
     std::vector<bsv::GridBlock> blocks;
     bsv::BlockMesh mesh;

@@ -58,8 +58,9 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }
-  const int success = bsv::execute(this, output, [&] {
-    const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution run = bsv::pieceExecution(this, piece);
+  const int success = bsv::execute(this, output, *run.ranks, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::QuadflowStorage storage = [&](int block, const std::array<int, 3>& counts) {
       double* points = nullptr;
@@ -67,8 +68,7 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
       grids.push_back(bsv::blockGrid(counts, points));
       return points;
     };
-    const bsv::QuadflowCase all =
-      bsv::readQuadflow(this->FileName, storage, bsv::pieceExecution(this, piece), piece);
+    const bsv::QuadflowCase all = bsv::readQuadflow(this->FileName, storage, run, piece);
     grids.resize(all.blocks.size());
 
     std::vector<std::string> names;

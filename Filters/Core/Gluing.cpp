@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Gluing.h"
 
+#include "BoxTree.h"
+#include "GluingRanks.h"
 #include "UnionFind.h"
 
-#include <unsupported/Eigen/BVH>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +18,6 @@ namespace bsv
 
 namespace
 {
-
-using Box = Eigen::AlignedBox3d;
 
 /// Found so far: hash table of items of which the first of equal ones is kept.
 class FirstOccurrence
@@ -89,21 +89,6 @@ std::uint64_t hashOf(const Vec3& x)
 
 using Key = std::array<Index, 4>;
 
-/// What a search in the tree of boxes does with the objects at a place.
-template <typename Visit>
-struct BoxQuery
-{
-  Box box;
-  const Visit& visit;
-
-  bool intersectVolume(const Box& volume) const { return volume.intersects(this->box); }
-  bool intersectObject(Index object) const
-  {
-    this->visit(object);
-    return false;
-  }
-};
-
 class Gluer
 {
 public:
@@ -158,12 +143,16 @@ private:
   /// Finds what the quadrilaterals meet; those that meet nothing stay undecided.
   void search(const std::vector<Index>& open)
   {
-    const std::vector<Index> fetched = this->alone() ? std::vector<Index>() : this->fetchNear(open);
-    const std::vector<Index>& known = this->alone() ? open : fetched;
+    std::vector<Index> nearby;
+    if (!this->alone())
+    {
+      nearby = fetchNearQuads(this->Part, this->Surface, open, this->Options.matchTolerance, this->Run);
+    }
+    const std::vector<Index>& known = this->alone() ? open : nearby;
     std::vector<Index> single;
     const auto pair = [&] {
       this->Ranks.together([&] { this->pairQuads(known); });
-      this->share(known);
+      shareContacts(this->Result, known, this->Surface, this->Part, this->Ranks);
       single = this->undecided(known);
     };
     this->mergeEqualPoints(known);
@@ -183,285 +172,9 @@ private:
     this->refuseCoveredQuads(single);
   }
 
-  bool isHere(Index quad) const { return this->Part.isHere(this->Surface.quadAt(quad).block); }
-
-  /// Fetches the quadrilaterals near those that are here: a copy of a point, or what covers a quadrilateral, is not
-  /// further away than the matching tolerance of one of both. Returns the known ones of `open`, ascending.
-  std::vector<Index> fetchNear(const std::vector<Index>& open)
-  {
-    // The open part of every face that is here, and of all faces the box of it inflated by the largest tolerance.
-    struct Reach
-    {
-      Index face;
-      std::array<double, 3> lo, hi;
-      Box box() const { return Box(Vec3(this->lo.data()), Vec3(this->hi.data())); }
-    };
-    std::vector<Reach> reaches;
-    std::vector<FaceRange> ranges;
-    QuadAt at;
-    for (Index quad : open)
-    {
-      at = this->Surface.quadAt(quad, at.block);
-      if (!this->Part.isHere(at.block))
-      {
-        continue;
-      }
-      const Index face = 6 * Index(at.block) + at.face;
-      if (reaches.empty() || reaches.back().face != face)
-      {
-        reaches.push_back({ face, {}, {} });
-        ranges.push_back({ { at.s, at.t }, { at.s + 1, at.t + 1 } });
-      }
-      FaceRange& range = ranges.back();
-      range = { { std::min(range.lo[0], at.s), range.lo[1] }, { std::max(range.hi[0], at.s + 1), at.t + 1 } };
-    }
-    std::vector<double> tolerance(reaches.size(), 0.0);
-    this->Run.parallelFor(static_cast<Index>(reaches.size()), 1, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
-      {
-        const int block = static_cast<int>(reaches[n].face / 6);
-        Box box;
-        for (int t = ranges[n].lo[1]; t <= ranges[n].hi[1]; ++t)
-        {
-          for (int s = ranges[n].lo[0]; s <= ranges[n].hi[0]; ++s)
-          {
-            const Ijk p = facePoint(this->Surface.cells(block), static_cast<int>(reaches[n].face % 6), s, t);
-            box.extend(this->Mesh.blocks[block].points(p));
-            tolerance[n] = std::max(tolerance[n], this->tolerance(block, p));
-          }
-        }
-        for (int d = 0; d < 3; ++d)
-        {
-          reaches[n].lo[d] = box.min()[d] - tolerance[n];
-          reaches[n].hi[d] = box.max()[d] + tolerance[n];
-        }
-      }
-    });
-    std::vector<Reach> others;
-    for (const Reach& reach : this->Ranks.gatherAll(reaches))
-    {
-      if (!this->Part.isHere(static_cast<int>(reach.face / 6)))
-      {
-        others.push_back(reach);
-      }
-    }
-
-    // What the ranks need of each other: one rectangle of points per face and rank.
-    struct Offer
-    {
-      Index face;
-      FaceRange range;
-    };
-    std::vector<Index> slots;
-    std::vector<Box> boxes;
-    for (const Reach& other : others)
-    {
-      slots.push_back(static_cast<Index>(slots.size()));
-      boxes.push_back(other.box());
-    }
-    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
-    std::vector<std::vector<std::pair<int, FaceRange>>> needed(reaches.size());
-    this->Run.parallelFor(static_cast<Index>(reaches.size()), 1, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
-      {
-        std::vector<std::pair<int, Box>> near;
-        const auto visit = [&](Index m) {
-          near.push_back({ this->Part.rankOf(static_cast<int>(others[m].face / 6)), boxes[m] });
-        };
-        BoxQuery<decltype(visit)> query{ reaches[n].box(), visit };
-        Eigen::BVIntersect(tree, query);
-        needed[n] = this->near(reaches[n].face, ranges[n], tolerance[n], near);
-      }
-    });
-    std::vector<std::vector<Offer>> offers(this->Ranks.size());
-    for (std::size_t n = 0; n < needed.size(); ++n)
-    {
-      for (const auto& part : needed[n])
-      {
-        offers[part.first].push_back({ reaches[n].face, part.second });
-      }
-    }
-    std::vector<Offer> offered;
-    for (const std::vector<Offer>& part : this->Ranks.exchange(offers))
-    {
-      offered.insert(offered.end(), part.begin(), part.end());
-    }
-    std::sort(offered.begin(), offered.end(), [](const Offer& a, const Offer& b) { return a.face < b.face; });
-    std::vector<PointBox> wanted;
-    for (const Offer& offer : offered)
-    {
-      // The tolerance of a point needs its neighbours.
-      wanted.push_back(pointsAtFace(
-        this->Mesh, static_cast<int>(offer.face / 6), static_cast<int>(offer.face % 6), offer.range, 2, 1));
-    }
-    this->Part.fetch(wanted);
-
-    std::vector<Index> known;
-    auto next = offered.begin();
-    for (Index quad : open)
-    {
-      at = this->Surface.quadAt(quad, at.block);
-      const Index face = 6 * Index(at.block) + at.face;
-      while (next != offered.end() && next->face < face)
-      {
-        ++next;
-      }
-      if (this->Part.isHere(at.block) ||
-        (next != offered.end() && next->face == face && at.s >= next->range.lo[0] && at.s < next->range.hi[0] &&
-          at.t >= next->range.lo[1] && at.t < next->range.hi[1]))
-      {
-        known.push_back(quad);
-      }
-    }
-    return known;
-  }
-
-  /// Per rank the rectangle of points around the undecided quadrilaterals of a face that are near any of the rank's boxes.
-  std::vector<std::pair<int, FaceRange>> near(
-    Index face, const FaceRange& range, double tolerance, std::vector<std::pair<int, Box>>& boxes) const
-  {
-    std::stable_sort(boxes.begin(), boxes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<std::pair<int, FaceRange>> result;
-    QuadAt at{ static_cast<int>(face / 6), static_cast<int>(face % 6), 0, 0 };
-    for (at.t = range.lo[1]; at.t < range.hi[1] && !boxes.empty(); ++at.t)
-    {
-      for (at.s = range.lo[0]; at.s < range.hi[0]; ++at.s)
-      {
-        if (!this->Result.undecided(this->Surface.quad(at)))
-        {
-          continue;
-        }
-        Box box;
-        for (int c = 0; c < 4; ++c)
-        {
-          box.extend(this->corner(at, c & 1, c >> 1));
-        }
-        box = Box(box.min() - Vec3::Constant(tolerance), box.max() + Vec3::Constant(tolerance));
-        int last = -1;
-        for (const auto& other : boxes)
-        {
-          if (other.first == last || !other.second.intersects(box))
-          {
-            continue;
-          }
-          last = other.first;
-          auto part = std::find_if(result.begin(), result.end(), [&](const auto& r) { return r.first == last; });
-          if (part == result.end())
-          {
-            part = result.insert(part, { last, { { at.s, at.t }, { at.s + 1, at.t + 1 } } });
-          }
-          FaceRange& found = part->second;
-          found = { { std::min(found.lo[0], at.s), found.lo[1] }, { std::max(found.hi[0], at.s + 1), at.t + 1 } };
-        }
-      }
-    }
-    return result;
-  }
-
-  /// Quadrilaterals whose numbers, and whose partners', are linear in two counters.
-  struct Run2D
-  {
-    Index quad, partner;
-    Index count, step;
-    Index rows, quadRow, partnerRow;
-    int orientation;
-  };
-
-  /// Gives all ranks what was found for the quadrilaterals here.
-  void share(const std::vector<Index>& known)
-  {
-    if (this->alone())
-    {
-      return;
-    }
-    std::vector<Run2D> rows;
-    for (Index quad : known)
-    {
-      // The contact of two is told by the rank of the lower one.
-      if (this->Result.undecided(quad) || !this->isHere(quad) ||
-        (!this->Result.boundary(quad) && this->Result.partner(quad) < quad))
-      {
-        continue;
-      }
-      const bool boundary = this->Result.boundary(quad);
-      const Index partner = boundary ? -1 : this->Result.partner(quad);
-      const int orientation = boundary ? 0 : this->Result.orientation(quad);
-      Run2D* last = rows.empty() ? nullptr : &rows.back();
-      if (last && quad == last->quad + last->count && orientation == last->orientation &&
-        boundary == (last->partner < 0) && (last->count == 1 || partner == last->partner + last->count * last->step))
-      {
-        last->step = last->count == 1 ? partner - last->partner : last->step;
-        ++last->count;
-      }
-      else
-      {
-        rows.push_back({ quad, partner, 1, 0, 1, 0, 0, orientation });
-      }
-    }
-    std::vector<Run2D> runs;
-    for (const Run2D& row : rows)
-    {
-      Run2D* last = runs.empty() ? nullptr : &runs.back();
-      if (last && row.count == last->count && row.step == last->step && row.orientation == last->orientation &&
-        (row.partner < 0) == (last->partner < 0) &&
-        (last->rows == 1 ||
-          (row.quad == last->quad + last->rows * last->quadRow &&
-            row.partner == last->partner + last->rows * last->partnerRow)))
-      {
-        last->quadRow = last->rows == 1 ? row.quad - last->quad : last->quadRow;
-        last->partnerRow = last->rows == 1 ? row.partner - last->partner : last->partnerRow;
-        ++last->rows;
-      }
-      else
-      {
-        runs.push_back(row);
-      }
-    }
-    for (Index quad : known)
-    {
-      this->Result.reset(quad);
-    }
-    for (const Run2D& run : this->Ranks.gatherAll(runs))
-    {
-      for (Index n = 0; n < run.rows; ++n)
-      {
-        for (Index m = 0; m < run.count; ++m)
-        {
-          const Index quad = run.quad + n * run.quadRow + m;
-          if (run.partner < 0)
-          {
-            this->Result.setBoundary(quad, -1);
-          }
-          else
-          {
-            this->Result.setContact(quad, run.partner + n * run.partnerRow + m * run.step, run.orientation);
-          }
-        }
-      }
-    }
-  }
-
-  /// The largest distance at which the point is one with another, from its own mesh edges.
   double tolerance(int block, const Ijk& p) const
   {
-    const GridView& points = this->Mesh.blocks[block].points;
-    const Vec3 x = points(p);
-    double shortest = std::numeric_limits<double>::max();
-    for (int d = 0; d < 3; ++d)
-    {
-      for (int step = -1; step <= 1; step += 2)
-      {
-        Ijk q = p;
-        q[d] += step;
-        if (q[d] >= 0 && q[d] < points.counts()[d])
-        {
-          const double length = (points(q) - x).norm();
-          // Edges of no length, where allowed, say nothing about the spacing.
-          shortest = length > 0.0 ? std::min(shortest, length) : shortest;
-        }
-      }
-    }
-    return shortest == std::numeric_limits<double>::max() ? 0.0 : this->Options.matchTolerance * shortest;
+    return matchDistance(this->Mesh.blocks[block].points, p, this->Options.matchTolerance);
   }
 
   Vec3 pointOf(Index point) const
@@ -1063,14 +776,12 @@ private:
 
     std::vector<Vec3> x(count);
     std::vector<Box> boxes(count);
-    std::vector<Index> slots(count);
     for (Index n = 0; n < count; ++n)
     {
-      slots[n] = n;
       x[n] = this->pointOf(points[n]);
       boxes[n] = Box(x[n]);
     }
-    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
+    const BoxTree tree(boxes);
     std::vector<std::vector<std::pair<Index, Index>>> chunks((count + Chunk - 1) / Chunk);
     std::vector<char> crowded(count, false);
     this->Run.parallelFor(static_cast<Index>(chunks.size()), 1, [&](Index begin, Index end) {
@@ -1079,16 +790,13 @@ private:
         for (Index n = chunk * Chunk; n < std::min(count, (chunk + 1) * Chunk); ++n)
         {
           int found = 0;
-          const auto visit = [&](Index m) {
+          tree.search(inflated(Box(x[n]), tolerance[n]), [&](Index m) {
             if (m > n && (here[m] || here[n]) && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) && found < MostCopies)
             {
               chunks[chunk].push_back({ n, m });
               ++found;
             }
-          };
-          const Vec3 reach = Vec3::Constant(tolerance[n]);
-          BoxQuery<decltype(visit)> query{ Box(x[n] - reach, x[n] + reach), visit };
-          Eigen::BVIntersect(tree, query);
+          });
           crowded[n] = found == MostCopies;
         }
       }
@@ -1211,16 +919,10 @@ private:
           boxes[n].extend(this->Mesh.blocks[at.block].points(p));
           tolerance[n] = std::min(tolerance[n], this->tolerance(at.block, p));
         }
-        const Vec3 reach = Vec3::Constant(tolerance[n]);
-        boxes[n] = Box(boxes[n].min() - reach, boxes[n].max() + reach);
+        boxes[n] = inflated(boxes[n], tolerance[n]);
       }
     });
-    std::vector<Index> slots(count);
-    for (Index n = 0; n < count; ++n)
-    {
-      slots[n] = n;
-    }
-    const Eigen::KdBVH<double, 3, Index> tree(slots.begin(), slots.end(), boxes.begin(), boxes.end());
+    const BoxTree tree(boxes);
     std::vector<Index> cover(count, -1);
     const auto search = [&](Index begin, Index end) {
       for (Index n = begin; n < end; ++n)
@@ -1231,16 +933,14 @@ private:
           continue;
         }
         const Vec3 x = this->center(at);
-        const auto visit = [&](Index m) {
+        tree.search(Box(x), [&](Index m) {
           if (facing(normal[m], normal[n]) && (cover[n] < 0 || single[m] < cover[n]) &&
             this->covers(
               this->Surface.quadAt(single[m], at.block), normal[m], x, std::min(tolerance[n], tolerance[m])))
           {
             cover[n] = single[m];
           }
-        };
-        BoxQuery<decltype(visit)> query{ Box(x), visit };
-        Eigen::BVIntersect(tree, query);
+        });
       }
     };
     constexpr Index PerReport = 64 * Chunk;

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <string_view>
 
 #include <sys/stat.h>
@@ -69,8 +70,8 @@ std::string encoded(const std::string& name)
 class Text
 {
 public:
-  explicit Text(const std::string& path)
-    : File(path)
+  explicit Text(OutputBuffer& file)
+    : File(file)
   {
   }
 
@@ -107,13 +108,12 @@ public:
   {
     this->File.write(reinterpret_cast<const char*>(values), sizeof(double) * static_cast<std::size_t>(count));
   }
-  AtomicFile& file() { return this->File; }
 
 private:
-  AtomicFile File;
+  OutputBuffer& File;
 };
 
-void writeHeader(Text& text, const char* magic, const QuadflowOptions& options)
+void writeHeader(Text text, const char* magic, const QuadflowOptions& options)
 {
   text << "# Multi-block B-spline topology, dialect of BSplineVolume; see quadflow_format.md.\n"
        << magic << " " << Version << "\n"
@@ -121,7 +121,7 @@ void writeHeader(Text& text, const char* magic, const QuadflowOptions& options)
        << "\ncp_order ijk\n";
 }
 
-void writeTopology(Text& text, const QuadflowCase& all, int base)
+void writeTopology(Text text, const QuadflowCase& all, int base)
 {
   text << "counts vertices " << static_cast<int>(all.vertices.size()) << " edges " << static_cast<int>(all.edges.size())
        << " faces " << static_cast<int>(all.faces.size()) << " blocks " << static_cast<int>(all.blocks.size()) << "\n";
@@ -204,57 +204,130 @@ void writeTopology(Text& text, const QuadflowCase& all, int base)
   }
 }
 
-void writeGeometry(Text& text, const QuadflowCase& all, const QuadflowOptions& options, const Execution& run)
+Index pointCount(const BSplineVolume& volume)
 {
+  return Index(volume.count(0)) * volume.count(1) * volume.count(2);
+}
+
+/// @param report told the control points done, every now and then
+void writeBlock(Text text, const BSplineVolume& volume, int id, const QuadflowOptions& options,
+  const std::function<void(Index)>& report)
+{
+  text << "block " << id << "\n degree " << volume.degree[0] << " " << volume.degree[1] << " " << volume.degree[2]
+       << "\n ncp " << volume.count(0) << " " << volume.count(1) << " " << volume.count(2) << "\n";
+  for (int d = 0; d < 3; ++d)
+  {
+    const std::vector<double>& knots = volume.knots[d];
+    text << " " << KnotLabels[d];
+    for (const double knot : knots)
+    {
+      text << " " << (options.unitKnots ? (knot - knots.front()) / (knots.back() - knots.front()) : knot);
+    }
+    text << "\n";
+  }
+  text << " points\n";
+  const Index size = pointCount(volume);
+  if (options.binary)
+  {
+    text.raw(&ByteOrderMark, 1);
+  }
+  for (Index first = 0; first < size; first += PointsPerReport)
+  {
+    const Index last = std::min(size, first + PointsPerReport);
+    report(first);
+    if (options.binary)
+    {
+      text.raw(volume.points + 3 * first, 3 * (last - first));
+      continue;
+    }
+    for (Index i = first; i < last; ++i)
+    {
+      text.point(volume.points + 3 * i);
+    }
+  }
+  if (options.binary)
+  {
+    text << "\n";
+  }
+}
+
+/// Writes the rest of a file on which rank 0 is, each rank its blocks, and finishes it. With several ranks they first
+/// count their characters, to know the places of their blocks.
+void writeGeometry(AtomicFile& file, const QuadflowCase& all, const QuadflowOptions& options, const Execution& run)
+{
+  const Ranks& ranks = *run.ranks;
+  const bool first = ranks.rank() == 0;
+  const bool several = ranks.size() > 1;
   double total = 1.0;
   for (const QuadflowBlock& block : all.blocks)
   {
-    total += static_cast<double>(block.volume.count(0)) * block.volume.count(1) * block.volume.count(2);
+    total += block.volume.rank == ranks.rank() ? static_cast<double>(pointCount(block.volume)) : 0.0;
   }
-  double done = 0.0;
-  int id = options.indexBase;
-  text << "GEOMETRY" << (options.binary ? std::string(" binary ") + ownByteOrder() : "") << "\n";
-  for (const QuadflowBlock& block : all.blocks)
+  const auto overOwn = [&](double from, double to, const auto& visit) {
+    double done = 0.0;
+    for (std::size_t b = 0; b < all.blocks.size(); ++b)
+    {
+      const BSplineVolume& volume = all.blocks[b].volume;
+      if (volume.rank == ranks.rank())
+      {
+        visit(b, volume, static_cast<int>(b) + options.indexBase,
+          [&](Index points) { run.report(from + (to - from) * (done + static_cast<double>(points)) / total); });
+        done += static_cast<double>(pointCount(volume));
+      }
+    }
+  };
+
+  std::vector<Index> start; // of every block, and the end of the last
+  ranks.together([&] {
+    if (first)
+    {
+      Text(file) << "GEOMETRY" << (options.binary ? std::string(" binary ") + ownByteOrder() : "") << "\n";
+    }
+  });
+  if (several)
   {
-    const BSplineVolume& volume = block.volume;
-    text << "block " << id++ << "\n degree " << volume.degree[0] << " " << volume.degree[1] << " " << volume.degree[2]
-         << "\n ncp " << volume.count(0) << " " << volume.count(1) << " " << volume.count(2) << "\n";
-    for (int d = 0; d < 3; ++d)
+    struct Size
     {
-      const std::vector<double>& knots = volume.knots[d];
-      text << " " << KnotLabels[d];
-      for (const double knot : knots)
-      {
-        text << " " << (options.unitKnots ? (knot - knots.front()) / (knots.back() - knots.front()) : knot);
-      }
-      text << "\n";
-    }
-    text << " points\n";
-    const Index size = Index(volume.count(0)) * volume.count(1) * volume.count(2);
-    if (options.binary)
+      std::size_t block;
+      Index size;
+    };
+    std::vector<Size> own;
+    Index position = 0;
+    ranks.together([&] {
+      CharacterCount written;
+      position = first ? file.position() : 0;
+      overOwn(0.0, 0.5, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
+        const Index before = written.count();
+        writeBlock(Text(written), volume, id, options, report);
+        own.push_back({ b, written.count() - before });
+      });
+    });
+    start.assign(all.blocks.size() + 1, 0);
+    for (const Size& entry : ranks.gatherAll(own))
     {
-      text.raw(&ByteOrderMark, 1);
+      start[entry.block + 1] = entry.size;
     }
-    for (Index first = 0; first < size; first += PointsPerReport)
-    {
-      const Index last = std::min(size, first + PointsPerReport);
-      run.report((done + static_cast<double>(first)) / total);
-      if (options.binary)
-      {
-        text.raw(volume.points + 3 * first, 3 * (last - first));
-        continue;
-      }
-      for (Index i = first; i < last; ++i)
-      {
-        text.point(volume.points + 3 * i);
-      }
-    }
-    done += static_cast<double>(size);
-    if (options.binary)
-    {
-      text << "\n";
-    }
+    start[0] = ranks.gatherAll(std::vector<Index>{ position }).front();
+    std::partial_sum(start.begin(), start.end(), start.begin());
   }
+  ranks.together([&] {
+    overOwn(several ? 0.5 : 0.0, 1.0, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
+      if (several)
+      {
+        file.seek(start[b]);
+      }
+      writeBlock(Text(file), volume, id, options, report);
+    });
+    if (first)
+    {
+      if (several)
+      {
+        file.seek(start.back());
+      }
+      Text(file) << "end\n";
+    }
+    file.finish();
+  });
 }
 
 std::string withoutExtension(const std::string& path)
@@ -281,14 +354,23 @@ void writeQuadflow(
   {
     throw Error("the index base must be 0 or 1, not " + std::to_string(options.indexBase));
   }
-  Text topology(path);
-  writeHeader(topology, Magic, options);
-  writeTopology(topology, all, options.indexBase);
+  const Ranks& ranks = *run.ranks;
+  const auto onFirst = [&](const auto& action) {
+    ranks.together([&] {
+      if (ranks.rank() == 0)
+      {
+        action();
+      }
+    });
+  };
+  AtomicFile topology(path, ranks);
+  onFirst([&] {
+    writeHeader(Text(topology), Magic, options);
+    writeTopology(Text(topology), all, options.indexBase);
+  });
   if (!options.separateGeometry)
   {
     writeGeometry(topology, all, options, run);
-    topology << "end\n";
-    topology.file().finish();
   }
   else
   {
@@ -297,19 +379,21 @@ void writeQuadflow(
     {
       throw Error("'" + path + "': the extension .bsp is that of the geometry file");
     }
-    topology << "GEOMETRY file " << encoded(geometryPath.substr(folderOf(geometryPath).size())) << "\nend\n";
-    topology.file().finish();
-    Text geometry(geometryPath);
-    writeHeader(geometry, GeometryMagic, options);
-    geometry << "counts blocks " << static_cast<int>(all.blocks.size()) << "\n";
+    onFirst([&] {
+      Text(topology) << "GEOMETRY file " << encoded(geometryPath.substr(folderOf(geometryPath).size())) << "\nend\n";
+      topology.finish();
+    });
+    AtomicFile geometry(geometryPath, ranks);
+    onFirst([&] {
+      writeHeader(Text(geometry), GeometryMagic, options);
+      Text(geometry) << "counts blocks " << static_cast<int>(all.blocks.size()) << "\n";
+    });
     writeGeometry(geometry, all, options, run);
-    geometry << "end\n";
-    geometry.file().finish();
-    run.report(1.0);
-    geometry.file().publish();
+    ranks.together([&] { run.report(1.0); });
+    onFirst([&] { geometry.publish(); });
   }
-  run.report(1.0);
-  topology.file().publish();
+  ranks.together([&] { run.report(1.0); });
+  onFirst([&] { topology.publish(); });
 }
 
 //------------------------------------------------------------------------------
@@ -616,7 +700,7 @@ public:
   QuadflowCase read()
   {
     this->Run.ranks->together([this] { this->parse(); });
-    checkQuadflowCase(this->All, this->In.path(), this->GeometryPath);
+    checkQuadflowCase(this->All, this->In.path(), this->GeometryPath, this->Run);
     this->Run.ranks->together([this] { this->Run.report(1.0); });
     return std::move(this->All);
   }

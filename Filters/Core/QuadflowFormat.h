@@ -30,6 +30,9 @@ struct QuadflowOptions
 
 /// Writes `all`, which must have passed checkQuadflowCase(). Nothing is left behind after an error or an abort, and
 /// an old file is untouched.
+///
+/// Ranks write one file, the same for any number of them: rank 0 what comes before the geometry, and each its own
+/// blocks, all at once. They must see the same folder.
 /// @throws Error, Aborted
 void writeQuadflow(
   const QuadflowCase& all, const std::string& path, const QuadflowOptions& options = {}, const Execution& run = {});
