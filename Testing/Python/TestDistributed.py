@@ -11,18 +11,20 @@ import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import vtk, blocks, collection, coordinates, field, grid, main, names
-from bsv_ranks import RANK, SIZE, Alone, check, partitions, reduced
+from bsv_support import (RANK, RANKS, Alone, vtk, blocks, collection, coordinates, field, grid, main, names,
+                         total)
 import make_demo_mesh
+
+assert RANKS == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
 
 
 def distributions(count):
     """Rank per block, in several ways."""
-    dice = random.Random(SIZE)
-    yield [b % SIZE for b in range(count)]
-    yield [b * SIZE // count for b in range(count)]
-    yield [SIZE - 1] * count
-    yield [dice.randrange(max(1, SIZE - 1)) for _ in range(count)]  # the last rank has nothing
+    dice = random.Random(RANKS)
+    yield [b % RANKS for b in range(count)]
+    yield [b * RANKS // count for b in range(count)]
+    yield [RANKS - 1] * count
+    yield [dice.randrange(max(1, RANKS - 1)) for _ in range(count)]  # the last rank has nothing
 
 
 def part(whole, rank_of):
@@ -52,14 +54,14 @@ def grid_bits(block):
 
 def compare_blocks(found, expected, what):
     """Every block is on one rank, with the right bits; everything else is the same on all."""
-    check(names(found) == names(expected), what, "names")
-    check(array_bits(found.GetFieldData()) == array_bits(expected.GetFieldData()), what, "field data")
-    check(found.GetDataAssembly().SerializeToXML(vtk.vtkIndent()) ==
-          expected.GetDataAssembly().SerializeToXML(vtk.vtkIndent()), what, "assembly")
-    here = partitions(found)
-    check(all(block is None or grid_bits(block) == grid_bits(other) for block, other in zip(here, blocks(expected))),
-          what, "blocks")
-    check(reduced(sum(block is not None for block in here)) == len(here), what, "number of blocks")
+    assert names(found) == names(expected), what
+    assert array_bits(found.GetFieldData()) == array_bits(expected.GetFieldData()), what
+    assembly = [data.GetDataAssembly().SerializeToXML(vtk.vtkIndent()) for data in (found, expected)]
+    assert assembly[0] == assembly[1], what
+    here = blocks(found)
+    assert all(block is None or grid_bits(block) == grid_bits(other)
+               for block, other in zip(here, blocks(expected))), what
+    assert total(sum(block is not None for block in here)) == len(here), what
     return here
 
 
@@ -103,14 +105,14 @@ def compare_conversion(whole, parts, bodies=None, setup=lambda convert: None):
     for n, rank_of in enumerate(parts):
         convert = converted(part(whole, rank_of), bodies[1][n] if bodies else None, setup)
         here = compare_blocks(convert.GetOutputDataObject(0), serial.GetOutputDataObject(0), rank_of)
-        check(all(block is None or rank_of[block.GetFieldData().GetArray("ParentBlock").GetValue(0)] == RANK
-                  for block in here), rank_of, "pieces are where their blocks are")
-        check(all(getattr(convert, "GetNumberOf" + name)() == getattr(serial, "GetNumberOf" + name)()
-                  for name in COUNTERS), "counters")
+        assert all(block is None or rank_of[block.GetFieldData().GetArray("ParentBlock").GetValue(0)] == RANK
+                   for block in here), rank_of
+        for name in COUNTERS:
+            assert getattr(convert, "GetNumberOf" + name)() == getattr(serial, "GetNumberOf" + name)(), name
         lines = [line for line in convert.GetReport().splitlines(True) if not line.startswith("rank ")]
-        check("".join(lines) == serial.GetReport(), rank_of, "report", convert.GetReport(), serial.GetReport())
-        check((convert.GetReceivedBytes() > 0) == (SIZE > 1), "received bytes")
-        check(convert.GetReport().count("bytes from other ranks") == (SIZE if SIZE > 1 else 0), "lines of ranks")
+        assert "".join(lines) == serial.GetReport(), convert.GetReport() + serial.GetReport()
+        assert (convert.GetReceivedBytes() > 0) == (RANKS > 1)
+        assert convert.GetReport().count("bytes from other ranks") == (RANKS if RANKS > 1 else 0)
     return serial
 
 
@@ -158,7 +160,7 @@ def test_wing_with_a_body_that_one_rank_has():
     mesh, body = wing()
     count = mesh.GetNumberOfPartitionedDataSets()
     nothing = vtk.vtkPartitionedDataSetCollection()
-    spread = part(body, [n % SIZE for n in range(body.GetNumberOfPartitionedDataSets())])
+    spread = part(body, [n % RANKS for n in range(body.GetNumberOfPartitionedDataSets())])
     bodies = [spread, body if RANK == 0 else nothing]
     compare_conversion(mesh, list(distributions(count))[2:], (body, bodies))
 
@@ -168,7 +170,7 @@ def test_every_rank_may_have_everything():
     with Alone():
         serial = converted(whole)
     convert = converted(whole)
-    check(all((block is not None) == (RANK == 0) for block in partitions(convert.GetOutputDataObject(0))), "owner")
+    assert all((block is not None) == (RANK == 0) for block in blocks(convert.GetOutputDataObject(0)))
     compare_blocks(convert.GetOutputDataObject(0), serial.GetOutputDataObject(0), "everything everywhere")
 
 
@@ -200,10 +202,10 @@ def test_topology():
         found = topology(part(whole, rank_of))
         data = found.GetOutputDataObject(0)
         mine = entities(data)
-        check(len(mine) == len(set(mine)) and set(mine) <= set(expected), rank_of, "cells")
-        check(reduced(len(mine)) == len(expected), rank_of, "number of cells")
-        check(found.GetReport() == serial.GetReport(), "report")
-        check(array_bits(data.GetFieldData()) == array_bits(serial.GetOutputDataObject(0).GetFieldData()), "fields")
+        assert len(mine) == len(set(mine)) and set(mine) <= set(expected), rank_of
+        assert total(len(mine)) == len(expected), rank_of
+        assert found.GetReport() == serial.GetReport()
+        assert array_bits(data.GetFieldData()) == array_bits(serial.GetOutputDataObject(0).GetFieldData())
 
 
 def test_wall_spacing():
@@ -224,10 +226,10 @@ def test_wall_spacing():
         found = spacing(part(whole, rank_of))
         compare_blocks(found.GetOutputDataObject(0), serial.GetOutputDataObject(0), rank_of)
         surface = found.GetOutputDataObject(1)
-        check(reduced(surface.GetNumberOfCells()) == wall.GetNumberOfCells(), "wall cells")
-        check(found.GetReport() == serial.GetReport(), "report")
-        check(found.GetNumberOfWallPoints() == wall.GetNumberOfPoints(), "wall points")
-        check(found.GetYPlusRange() == serial.GetYPlusRange(), "y+")
+        assert total(surface.GetNumberOfCells()) == wall.GetNumberOfCells()
+        assert found.GetReport() == serial.GetReport()
+        assert found.GetNumberOfWallPoints() == wall.GetNumberOfPoints()
+        assert found.GetYPlusRange() == serial.GetYPlusRange()
 
 
 def once(name, text):
@@ -241,7 +243,7 @@ def silence(algorithm):
 
 
 def failure(mesh, setup=lambda convert: None):
-    """Text of all messages of a conversion that must fail, or stop, on all ranks; what the pipeline says is left out."""
+    """Text of all messages of a conversion that must fail, or stop, on all ranks."""
     window, before = vtk.vtkStringOutputWindow(), vtk.vtkOutputWindow.GetInstance()
     vtk.vtkOutputWindow.SetInstance(window)
     try:
@@ -249,16 +251,16 @@ def failure(mesh, setup=lambda convert: None):
     finally:
         vtk.vtkOutputWindow.SetInstance(before)
     data = convert.GetOutputDataObject(0)
-    check(data.GetNumberOfPartitionedDataSets() == 0 and data.GetFieldData().GetNumberOfArrays() == 0, "output")
+    assert data.GetNumberOfPartitionedDataSets() == 0 and data.GetFieldData().GetNumberOfArrays() == 0
     text = window.GetOutput()
-    check(RANK == 0 or text == "", "a message of another rank than the first:", text)
+    assert RANK == 0 or text == "", text
     return text
 
 
 def test_one_rank_fails():
     whole = demo()
-    rank_of = [(b + 1) % SIZE for b in range(11)]
-    broken = min(1, SIZE - 1)
+    rank_of = [(b + 1) % RANKS for b in range(11)]
+    broken = min(1, RANKS - 1)
     block = rank_of.index(broken)
 
     mesh = vtk.vtkPartitionedDataSetCollection()
@@ -266,7 +268,7 @@ def test_one_rank_fails():
     if RANK == broken:
         mesh.GetPartition(block, 0).GetPoints().SetPoint(5, float("nan"), 0.0, 0.0)
     text = failure(mesh)
-    check(RANK > 0 or (once(names(whole)[block], text) and "nan" in text), text)
+    assert RANK > 0 or (once(names(whole)[block], text) and "nan" in text), text
 
     mesh = part(whole, rank_of)
     if RANK == broken:
@@ -279,7 +281,7 @@ def test_one_rank_fails():
         copy.GetPointData().AddArray(array)
         mesh.SetPartition(block, 0, copy)
     text = failure(mesh)
-    check(RANK > 0 or (once(names(whole)[block], text) and "SurfaceNormal" in text), text)
+    assert RANK > 0 or (once(names(whole)[block], text) and "SurfaceNormal" in text), text
 
     # And nothing is left of it: the next one succeeds.
     with Alone():
@@ -289,15 +291,15 @@ def test_one_rank_fails():
 
 def test_one_rank_aborts():
     whole = demo()
-    rank_of = [b % SIZE for b in range(11)]
+    rank_of = [b % RANKS for b in range(11)]
     for fraction in (0.0, 0.4, 0.7):
         def stop(convert, fraction=fraction):
             def progress(caller, _):
                 if caller.GetProgress() >= fraction:
                     caller.SetAbortExecute(1)
-            if RANK == min(1, SIZE - 1):
+            if RANK == min(1, RANKS - 1):
                 convert.AddObserver("ProgressEvent", progress)
-        check(failure(part(whole, rank_of), stop) == "", "an abort is no error")
+        assert failure(part(whole, rank_of), stop) == ""  # an abort is no error
 
 
 if __name__ == "__main__":
