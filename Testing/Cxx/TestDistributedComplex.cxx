@@ -150,6 +150,26 @@ TEST(DistributedComplex, RefusesWhatIsRefusedAlone)
   }
 }
 
+/// Corners of A, B and C are a row of near points, of which B's is one with A's. It is not one with C's, because D, which is
+/// too far from A to be known on its rank, has a copy of that and is fine.
+TEST(DistributedComplex, KnowsWhatIsNotNearAPointOfAnotherRank)
+{
+  MeshCase mesh;
+  const auto cube = [&](const Vec3& corner, const Vec3& size) {
+    mesh.add({ 1, 1, 1 }, [&](const Ijk& p) -> Vec3 { return corner + size.cwiseProduct(Vec3(p[0], p[1], p[2])); });
+  };
+  cube({ 0.0, 0.0, 0.0 }, { 1.0, 0.97, 1.0 });
+  cube({ 1.0, 1.0, 1.0 }, { 1.0, 1.0, 1.0 });
+  cube({ 0.0, 1.04, 0.0 }, { 1.0, 1.0, 1.0 });
+  cube({ 1.0, 1.04, 1.0 }, { 0.2, 0.2, 0.2 });
+  // A and B have a corner in common, C and D another one.
+  EXPECT_NO_THROW(buildBlockComplex(mesh.mesh()));
+  for (int ranks = 0; ranks < 16; ++ranks)
+  {
+    bsvtest::expectSameOnRanks(mesh.mesh(), {}, { ranks & 1, ranks >> 1 & 1, ranks >> 2 & 1, ranks >> 3 }, 2);
+  }
+}
+
 TEST(DistributedComplex, LeavesRanksWithoutBlocks)
 {
   MeshCase mesh = ball(2, 2);
