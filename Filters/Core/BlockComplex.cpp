@@ -59,11 +59,11 @@ bool before(const Vec3& a, const Vec3& b)
   return false;
 }
 
-/// The points in the classes that have a point here, of which some are on other ranks.
+/// Coordinates of all copies of the points that are here; some of the copies are on other ranks.
 class CopiedPoints
 {
 public:
-  /// Collective. `numbering` is that of the copies; `surface` is the same on all ranks.
+  /// Collective. `numbering` numbers all copies of points that are here; `surface` is the same on all ranks.
   CopiedPoints(const BlockMesh& mesh, const SurfaceNumbering& surface, const SurfaceNumbering& numbering,
     UnionFind& copies, const Ranks& ranks)
     : Mesh(mesh)

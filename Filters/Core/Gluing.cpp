@@ -154,7 +154,7 @@ private:
       shareContacts(this->Result, before, known, this->Surface, this->Part, this->Ranks);
       single = this->undecided(known);
     };
-    this->mergeEqualPoints(known);
+    this->Ranks.together([&] { this->mergeEqualPoints(known); });
     pair();
     this->report(0.6);
     bool merged = false;
@@ -295,14 +295,16 @@ private:
     }
     this->Part.fetch(wanted);
     std::vector<Comparison> results(contacts.size());
-    this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
-      {
-        if (this->Part.isHere(contacts[n].blockA))
+    this->Ranks.together([&] {
+      this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
+        for (Index n = begin; n < end; ++n)
         {
-          results[n] = this->compare(contacts[n], bitsOnly);
+          if (this->Part.isHere(contacts[n].blockA))
+          {
+            results[n] = this->compare(contacts[n], bitsOnly);
+          }
         }
-      }
+      });
     });
     this->Ranks.share(results, [&](Index n) { return this->Part.rankOf(contacts[n].blockA); });
     return results;
