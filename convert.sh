@@ -14,5 +14,4 @@ if [ ! -e "$root/build/CMakeCache.txt" ]; then
 fi
 cmake --build "$root/build"
 
-export VTK_SMP_BACKEND_IN_USE=STDThread
 exec xvfb-run -a pvpython "$root/Examples/convert.py" "$@"

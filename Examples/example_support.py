@@ -10,7 +10,7 @@ import tempfile
 import numpy as np
 from paraview import simple as pv
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkIdList, vtkPoints
+from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkIdList, vtkPoints, vtkSMPTools
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkExtractCells
 
@@ -19,6 +19,10 @@ sys.path.insert(0, HERE)
 import make_demo_mesh
 
 WIDTH = 1200  # of a picture, in pixels
+
+# VTK runs on one core unless it is told otherwise.
+if "VTK_SMP_BACKEND_IN_USE" not in os.environ:
+    vtkSMPTools.SetBackend("STDThread")
 
 Patch = collections.namedtuple("Patch", "name points rules normals")
 

@@ -88,40 +88,87 @@ const unsigned char* rulesOf(vtkStructuredGrid* grid, const std::string& label)
 
 int BSplineVolumeBlocks::firstRational() const
 {
-  const auto found = std::find_if(
-    this->volumes.begin(), this->volumes.end(), [](const BSplineVolume& volume) { return volume.weights != nullptr; });
-  return found == this->volumes.end() ? -1 : static_cast<int>(found - this->volumes.begin());
+  const auto found = std::find(this->rational.begin(), this->rational.end(), 1);
+  return found == this->rational.end() ? -1 : static_cast<int>(found - this->rational.begin());
 }
 
-BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input)
+BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks)
 {
   BSplineVolumeBlocks result;
-  BlockMesh mesh = blockMesh(input, result.grids);
-  for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+  BlockMesh mesh = blockMesh(input, result.grids, ranks);
+  const std::size_t count = mesh.blocks.size();
+  for (const MeshBlock& block : mesh.blocks)
   {
-    result.names.push_back(mesh.blocks[b].name);
-    const std::string label = result.label(b);
-    vtkSmartPointer<vtkStructuredGrid>& grid = result.grids[b];
+    result.ranks.push_back(block.rank);
+    result.names.push_back(block.name);
+  }
+  result.volumes.resize(count);
+  for (std::size_t b = 0; b < count; ++b)
+  {
+    result.volumes[b].rank = result.ranks[b];
+  }
+  result.rational.resize(count, 0);
+  result.weights.resize(count);
+  result.rules.resize(count, nullptr);
 
-    BSplineVolume volume;
-    const std::vector<double> degree = fieldValues(grid, "Degree", 3, label);
-    for (int d = 0; d < 3; ++d)
+  // Block, degree and whether it is rational, then the knots.
+  std::vector<double> mine;
+  ranks.together([&] {
+    for (std::size_t b = 0; b < count; ++b)
     {
-      if (!(degree[d] >= 1.0 && degree[d] <= MaxDegree) || degree[d] != static_cast<int>(degree[d]))
+      if (!result.isHere(b))
       {
-        throw Error(label + ": field data array 'Degree' has the value " + std::to_string(degree[d]) +
-          "; degrees are 1.." + std::to_string(MaxDegree));
+        continue;
       }
-      volume.degree[d] = static_cast<int>(degree[d]);
-      const int points = mesh.blocks[b].points.counts()[d];
-      volume.knots[d] = fieldValues(grid, KnotNames[d], static_cast<std::size_t>(points) + volume.degree[d] + 1, label);
+      const std::string label = result.label(b);
+      vtkSmartPointer<vtkStructuredGrid>& grid = result.grids[b];
+      BSplineVolume& volume = result.volumes[b];
+      const std::vector<double> degree = fieldValues(grid, "Degree", 3, label);
+      for (int d = 0; d < 3; ++d)
+      {
+        if (!(degree[d] >= 1.0 && degree[d] <= MaxDegree) || degree[d] != static_cast<int>(degree[d]))
+        {
+          throw Error(label + ": field data array 'Degree' has the value " + std::to_string(degree[d]) +
+            "; degrees are 1.." + std::to_string(MaxDegree));
+        }
+        volume.degree[d] = static_cast<int>(degree[d]);
+        const int points = mesh.blocks[b].points.counts()[d];
+        volume.knots[d] =
+          fieldValues(grid, KnotNames[d], static_cast<std::size_t>(points) + volume.degree[d] + 1, label);
+      }
+      result.weights[b] = doublePointArray(grid, "Weights", 1, result.names[b]);
+      volume.weights = result.weights[b] ? result.weights[b]->GetPointer(0) : nullptr;
+      checkBSplineVolume(volume, label);
+      volume.points = doublePoints(grid);
+      result.rational[b] = volume.weights ? 1 : 0;
+      result.rules[b] = rulesOf(grid, label);
+
+      mine.push_back(static_cast<double>(b));
+      mine.insert(mine.end(), degree.begin(), degree.end());
+      mine.push_back(result.rational[b]);
+      for (const std::vector<double>& knots : volume.knots)
+      {
+        mine.insert(mine.end(), knots.begin(), knots.end());
+      }
     }
-    result.weights.push_back(doublePointArray(grid, "Weights", 1, result.names[b]));
-    volume.weights = result.weights.back() ? result.weights.back()->GetPointer(0) : nullptr;
-    checkBSplineVolume(volume, label);
-    volume.points = doublePoints(grid);
-    result.volumes.push_back(volume);
-    result.rules.push_back(rulesOf(grid, label));
+  });
+  if (ranks.size() > 1)
+  {
+    const std::vector<double> all = ranks.gatherAll(mine);
+    for (auto at = all.begin(); at != all.end();)
+    {
+      const std::size_t b = static_cast<std::size_t>(*at++);
+      BSplineVolume& volume = result.volumes[b];
+      std::transform(at, at + 3, volume.degree.begin(), [](double degree) { return static_cast<int>(degree); });
+      result.rational[b] = static_cast<char>(at[3]);
+      at += 4;
+      for (int d = 0; d < 3; ++d)
+      {
+        const auto end = at + mesh.blocks[b].points.counts()[d] + volume.degree[d] + 1;
+        volume.knots[d].assign(at, end);
+        at = end;
+      }
+    }
   }
 
   const auto whole = [&](const FaceRange& range, int block, int face) {
@@ -150,7 +197,8 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input)
       refuse("Boundaries", patch.block, patch.face);
     }
   }
-  result.hasInterfaces = input && input->GetFieldData() && input->GetFieldData()->GetAbstractArray("Interfaces");
+  result.hasInterfaces =
+    ranks.any(input && input->GetFieldData() && input->GetFieldData()->GetAbstractArray("Interfaces"));
   result.interfaces = std::move(mesh.interfaces);
   result.boundaries = std::move(mesh.boundaries);
   result.boundaryNames = std::move(mesh.boundaryNames);

@@ -13,13 +13,14 @@
 /// | `ControlPointRule` | point | unsigned char | optional: bsv::ControlPointRule |
 ///
 /// The root's field data holds `Interfaces`, `Boundaries` and `BoundaryNames` as in HexBlockData.h; every entry must
-/// span whole faces.
+/// span whole faces. Of a volume on several ranks each has the same tree, as there.
 #pragma once
 
 #include "BSplineVolumeFiltersModule.h"
 
 #include "BSplineVolume.h"
 #include "BlockMesh.h"
+#include "Ranks.h"
 
 #include "vtkSmartPointer.h"
 
@@ -34,22 +35,32 @@ class vtkStructuredGrid;
 namespace bsv
 {
 
-/// The core's view of a volume. It may point into the grids: keep them, and do not change their points.
+/// The core's view of a volume: all blocks, with the points of those that are on this rank. It may point into the
+/// grids: keep them, and do not change their points.
 struct BSplineVolumeBlocks
 {
+  /// Null for blocks on other ranks.
   std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+  /// The rank that has a block.
+  std::vector<int> ranks;
   std::vector<std::string> names;
+  /// Degree and knots of all blocks; points and weights are null for blocks on other ranks.
   std::vector<BSplineVolume> volumes;
+  /// Whether a block has weights.
+  std::vector<char> rational;
   /// The memory behind weights that had to be converted; null otherwise.
   std::vector<vtkSmartPointer<vtkDoubleArray>> weights;
-  /// One code per control point, or null.
+  /// One code per control point, or null; null for blocks on other ranks.
   std::vector<const unsigned char*> rules;
 
-  /// Whether the input has the array `Interfaces`. Ranges count control points.
+  /// Whether the input of any rank has the array `Interfaces`. Ranges count control points.
   bool hasInterfaces = false;
   std::vector<Interface> interfaces;
   std::vector<BoundaryPatch> boundaries;
   std::vector<std::string> boundaryNames;
+
+  /// Whether the points of a block are on this rank.
+  bool isHere(std::size_t block) const { return this->grids[block] != nullptr; }
 
   /// The first block that is rational, or -1.
   int firstRational() const;
@@ -61,10 +72,11 @@ struct BSplineVolumeBlocks
   }
 };
 
-/// Points in double precision are not copied.
+/// Points in double precision are not copied. Collective; by default nobody shares the volume.
 /// @throws Error for what blockMesh() refuses, missing arrays, arrays of the wrong type or size, knots that
 /// checkBSplineVolume() refuses, and interfaces or boundaries that cover only part of a face.
-BSPLINEVOLUMEFILTERS_EXPORT BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input);
+BSPLINEVOLUMEFILTERS_EXPORT BSplineVolumeBlocks bsplineVolumeBlocks(
+  vtkDataObject* input, const Ranks& ranks = Ranks());
 
 /// Writes degree and knots of a block to its field data.
 BSPLINEVOLUMEFILTERS_EXPORT void setDegreeAndKnots(vtkStructuredGrid* grid, const BSplineVolume& volume);

@@ -5,14 +5,20 @@
 #pragma once
 
 #include "ControllerRanks.h"
+#include "Ranks.h"
 #include "Types.h"
 
 #include <vtkAlgorithm.h>
+#include <vtkCallbackCommand.h>
+#include <vtkExecutive.h>
+#include <vtkNew.h>
 #include <vtkSMPTools.h>
 #include <vtkVersionMacros.h>
 
 #include <exception>
 #include <mutex>
+#include <string>
+#include <vector>
 
 namespace bsv
 {
@@ -71,15 +77,31 @@ inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, do
   return run;
 }
 
-/// Runs the body of a filter's RequestData. An abort or an error leaves an empty output; an error is raised by
-/// `algorithm` with the text of the exception.
+/// Takes the one message by which the pipeline tells that RequestData of `algorithm` failed.
+inline void silenceFailure(vtkAlgorithm* algorithm)
+{
+  if (vtkObject::GetGlobalWarningDisplay())
+  {
+    vtkNew<vtkCallbackCommand> once;
+    once->SetClientData(once);
+    once->SetCallback([](vtkObject* executive, unsigned long, void* self, void*) {
+      executive->RemoveObserver(static_cast<vtkCommand*>(self));
+    });
+    algorithm->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, once);
+  }
+}
+
+/// Runs the body of a filter's RequestData. It may communicate with the other ranks, and is over on all of them when it
+/// is on one: an abort or an error, wherever it happens, leaves an empty output everywhere. An error is raised by
+/// `algorithm` with the text of the exception, once: on the first rank.
+/// @param ranks which take part
 /// @return what RequestData returns: 0 after an error, else 1
 template <typename Output, typename Body>
-int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
+int execute(vtkAlgorithm* algorithm, Output* output, const Ranks& ranks, const Body& body)
 {
   try
   {
-    body();
+    ranks.together(body);
   }
   catch (const Aborted&)
   {
@@ -88,10 +110,36 @@ int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
   catch (const std::exception& error)
   {
     output->Initialize();
-    vtkErrorWithObjectMacro(algorithm, << error.what());
+    if (ranks.rank() == 0)
+    {
+      vtkErrorWithObjectMacro(algorithm, << error.what());
+    }
+    else
+    {
+      silenceFailure(algorithm);
+    }
     return 0;
   }
   return 1;
+}
+
+/// The same on all ranks of the global controller.
+template <typename Output, typename Body>
+int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
+{
+  return execute(algorithm, output, *globalRanks(), body);
+}
+
+/// Raises warnings of `algorithm` that all ranks have, once: on the first rank.
+inline void warn(vtkAlgorithm* algorithm, const std::vector<std::string>& warnings)
+{
+  if (globalRanks()->rank() == 0)
+  {
+    for (const std::string& warning : warnings)
+    {
+      vtkWarningWithObjectMacro(algorithm, << warning);
+    }
+  }
 }
 
 } // namespace bsv

@@ -20,7 +20,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 #include <functional>
+#include <memory>
 
 namespace bsv
 {
@@ -28,10 +30,14 @@ namespace bsv
 namespace
 {
 
+/// Place of a block in the tree, the same on all ranks: the partitions of a data set can be on several of them.
 struct Leaf
 {
   vtkDataObject* data;
   std::string name;
+  /// Number of the data set, and of the partition in it.
+  int dataSet;
+  int partition;
 };
 
 std::string metaName(vtkInformation* information)
@@ -51,6 +57,7 @@ void collectLeaves(vtkDataObject* node, const std::string& name, std::vector<Lea
       collectLeaves(child(i), own.empty() ? name : own, leaves);
     }
   };
+  const int dataSet = leaves.empty() ? 0 : leaves.back().dataSet + 1;
   if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(node))
   {
     visit(
@@ -69,15 +76,18 @@ void collectLeaves(vtkDataObject* node, const std::string& name, std::vector<Lea
     // An empty partitioned data set keeps the numbers of the blocks behind it.
     if (partitions->GetNumberOfPartitions() == 0)
     {
-      leaves.push_back({ nullptr, name });
+      leaves.push_back({ nullptr, name, dataSet, 0 });
     }
-    visit(
-      partitions->GetNumberOfPartitions(), [&](unsigned int i) { return partitions->GetPartitionAsDataObject(i); },
-      [&](unsigned int i) { return partitions->HasMetaData(i) ? partitions->GetMetaData(i) : nullptr; });
+    for (unsigned int i = 0; i < partitions->GetNumberOfPartitions(); ++i)
+    {
+      const std::string own = metaName(partitions->HasMetaData(i) ? partitions->GetMetaData(i) : nullptr);
+      leaves.push_back(
+        { partitions->GetPartitionAsDataObject(i), own.empty() ? name : own, dataSet, static_cast<int>(i) });
+    }
   }
   else
   {
-    leaves.push_back({ node, name });
+    leaves.push_back({ node, name, dataSet, 0 });
   }
 }
 
@@ -88,11 +98,9 @@ const Real* xyzTriples(vtkDataArray* array)
   return values ? values->GetPointer(0) : nullptr;
 }
 
-MeshBlock meshBlock(vtkSmartPointer<vtkStructuredGrid>& grid, const std::string& name)
+/// Points per direction of a grid that can be a block.
+Ijk pointCounts(vtkStructuredGrid* grid, const std::string& name)
 {
-  MeshBlock block;
-  block.name = name;
-
   Ijk counts;
   grid->GetDimensions(counts.data());
   for (int d = 0; d < 3; ++d)
@@ -109,7 +117,13 @@ MeshBlock meshBlock(vtkSmartPointer<vtkStructuredGrid>& grid, const std::string&
     throw Error("Block '" + name + "' has " + std::to_string(grid->GetPoints() ? grid->GetNumberOfPoints() : 0) +
       " points; its dimensions say " + std::to_string(size) + ".");
   }
+  return counts;
+}
 
+/// Points and point arrays of a block that is here.
+void readPoints(vtkSmartPointer<vtkStructuredGrid>& grid, MeshBlock& block)
+{
+  const Ijk counts = block.points.counts();
   vtkDataArray* points = grid->GetPoints()->GetData();
   if (const float* floats = xyzTriples<float>(points))
   {
@@ -131,34 +145,325 @@ MeshBlock meshBlock(vtkSmartPointer<vtkStructuredGrid>& grid, const std::string&
     block.points = GridView(xyzTriples<double>(converted->GetData()), counts);
   }
 
-  if (const auto sharpness = doublePointArray(grid, "CreaseSharpness", 1, name))
+  if (const auto sharpness = doublePointArray(grid, "CreaseSharpness", 1, block.name))
   {
-    block.creaseSharpness.assign(sharpness->GetPointer(0), sharpness->GetPointer(0) + size);
+    block.creaseSharpness.assign(sharpness->GetPointer(0), sharpness->GetPointer(0) + block.points.size());
   }
-  return block;
 }
 
-/// The int array `name` with one of the component counts allowed, or null.
-vtkIntArray* intArray(vtkFieldData* fields, const char* name, std::initializer_list<int> components)
+/// A block as the tree of one rank has it.
+struct LeafRecord
 {
-  vtkAbstractArray* any = fields ? fields->GetAbstractArray(name) : nullptr;
+  int dataSet;
+  int partition;
+  Ijk counts;
+  int nameLength;
+};
+
+/// A block of the mesh, on all ranks.
+struct SharedLeaf
+{
+  Ijk counts{ 0, 0, 0 };
+  /// The lowest rank that has it, or -1 if it is missing everywhere.
+  int rank = -1;
+  /// May be empty.
+  std::string name;
+  /// The leaf of this rank's own tree, or null.
+  const Leaf* own = nullptr;
+};
+
+std::string blockName(const std::string& name, std::size_t leaf)
+{
+  return name.empty() ? "block " + std::to_string(leaf) : name;
+}
+
+/// All leaves in flat order, from what every rank has. Collective.
+std::vector<SharedLeaf> shareLeaves(const std::vector<Leaf>& leaves, const Ranks& ranks)
+{
+  std::vector<int> sizes; // partitions per data set
+  std::vector<LeafRecord> records;
+  std::vector<char> names;
+  ranks.together([&] {
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+    {
+      const Leaf& leaf = leaves[i];
+      sizes.resize(leaf.dataSet + 1, 0);
+      sizes[leaf.dataSet] = leaf.partition + 1;
+      const std::string name = blockName(leaf.name, i);
+      auto* grid = vtkStructuredGrid::SafeDownCast(leaf.data);
+      if (leaf.data && !grid)
+      {
+        throw Error(
+          "Block '" + name + "' is a " + leaf.data->GetClassName() + "; only vtkStructuredGrid can be a block.");
+      }
+      // A grid without points is how a missing block travels through filters that keep the structure.
+      if (grid && grid->GetNumberOfPoints() > 0)
+      {
+        records.push_back(
+          { leaf.dataSet, leaf.partition, pointCounts(grid, name), static_cast<int>(leaf.name.size()) });
+        names.insert(names.end(), leaf.name.begin(), leaf.name.end());
+      }
+    }
+  });
+  // Partitions are counted where there are several; a rank without any block may have no tree at all.
+  std::vector<int> widths{ static_cast<int>(sizes.size()) };
+  for (std::size_t s = 0; s < sizes.size(); ++s)
+  {
+    if (sizes[s] > 1)
+    {
+      widths.insert(widths.end(), { static_cast<int>(s), sizes[s] });
+    }
+  }
+  const std::vector<std::vector<int>> allWidths = ranks.gather(widths);
+  const std::vector<std::vector<LeafRecord>> allRecords = ranks.gather(records);
+  const std::vector<std::vector<char>> allNames = ranks.gather(names);
+
+  int first = -1; // rank with blocks
+  std::vector<int> places;
+  for (int r = 0; r < ranks.size(); ++r)
+  {
+    const int dataSets = allWidths[r][0];
+    if (!allRecords[r].empty() && first >= 0 && dataSets != allWidths[first][0])
+    {
+      throw Error("The mesh has " + std::to_string(allWidths[first][0]) + " data sets on rank " +
+        std::to_string(first) + ", but " + std::to_string(dataSets) + " on rank " + std::to_string(r) +
+        "; every rank must have all of them, without the blocks that are on other ranks.");
+    }
+    first = first < 0 && !allRecords[r].empty() ? r : first;
+    places.resize(std::max<std::size_t>(places.size(), dataSets), 1);
+    for (std::size_t w = 1; w < allWidths[r].size(); w += 2)
+    {
+      int& width = places[allWidths[r][w]];
+      width = std::max(width, allWidths[r][w + 1]);
+    }
+  }
+  std::vector<SharedLeaf> shared;
+  std::vector<std::size_t> start; // first leaf of a data set
+  for (const int count : places)
+  {
+    start.push_back(shared.size());
+    shared.resize(shared.size() + count);
+  }
+  const auto state = [](std::size_t place, const std::string& name, const Ijk& counts, int rank) {
+    return "'" + blockName(name, place) + "' of " + std::to_string(counts[0]) + " x " + std::to_string(counts[1]) +
+      " x " + std::to_string(counts[2]) + " points on rank " + std::to_string(rank);
+  };
+  for (int r = 0; r < ranks.size(); ++r)
+  {
+    auto text = allNames[r].begin();
+    for (const LeafRecord& record : allRecords[r])
+    {
+      const std::string name(text, text + record.nameLength);
+      text += record.nameLength;
+      const std::size_t place = start[record.dataSet] + record.partition;
+      SharedLeaf& leaf = shared[place];
+      if (leaf.rank < 0)
+      {
+        leaf.rank = r;
+        leaf.counts = record.counts;
+        leaf.name = name;
+      }
+      if (leaf.counts != record.counts || leaf.name != name)
+      {
+        throw Error("Block " + std::to_string(place) + " is " + state(place, leaf.name, leaf.counts, leaf.rank) +
+          ", but " + state(place, name, record.counts, r) + ".");
+      }
+    }
+  }
+
+  // Names that ranks without the block have.
+  for (const Leaf& leaf : leaves)
+  {
+    shared[start[leaf.dataSet] + leaf.partition].own = &leaf;
+  }
+  ranks.together([&] {
+    for (std::size_t i = 0; i < shared.size(); ++i)
+    {
+      const SharedLeaf& leaf = shared[i];
+      if (leaf.rank >= 0 && leaf.own && !leaf.name.empty() && !leaf.own->name.empty() && leaf.own->name != leaf.name)
+      {
+        throw Error("Block " + std::to_string(i) + " is " + state(i, leaf.name, leaf.counts, leaf.rank) +
+          ", but has the name '" + leaf.own->name + "' on rank " + std::to_string(ranks.rank()) + ".");
+      }
+    }
+  });
+  std::vector<SharedLeaf*> unnamed;
+  std::vector<char> known; // each with a zero behind it
+  for (SharedLeaf& leaf : shared)
+  {
+    if (leaf.rank >= 0 && leaf.name.empty())
+    {
+      unnamed.push_back(&leaf);
+      const char* name = leaf.own ? leaf.own->name.c_str() : "";
+      known.insert(known.end(), name, name + std::strlen(name) + 1);
+    }
+  }
+  if (!unnamed.empty())
+  {
+    for (const std::vector<char>& text : ranks.gather(known))
+    {
+      auto at = text.begin();
+      for (SharedLeaf* leaf : unnamed)
+      {
+        leaf->name = leaf->name.empty() ? std::string(&*at) : leaf->name;
+        at = std::find(at, text.end(), '\0') + 1;
+      }
+    }
+  }
+  return shared;
+}
+
+/// An array of the field data: its name and the numbers of components allowed.
+struct IntArrayKind
+{
+  const char* name;
+  std::vector<int> components;
+};
+
+const IntArrayKind InterfacesArray{ "Interfaces", { 12 } };
+const IntArrayKind BoundariesArray{ "Boundaries", { 3, 7 } };
+const IntArrayKind CreasesArray{ "CreaseEdges", { 7 } };
+
+/// The array, or null.
+vtkIntArray* intArray(vtkFieldData* fields, const IntArrayKind& kind)
+{
+  vtkAbstractArray* any = fields ? fields->GetAbstractArray(kind.name) : nullptr;
   if (!any)
   {
     return nullptr;
   }
   auto* array = vtkIntArray::SafeDownCast(any);
   const int found = any->GetNumberOfComponents();
-  if (!array || std::find(components.begin(), components.end(), found) == components.end())
+  if (!array || std::find(kind.components.begin(), kind.components.end(), found) == kind.components.end())
   {
     std::string allowed;
-    for (const int count : components)
+    for (const int count : kind.components)
     {
       allowed += (allowed.empty() ? "" : " or ") + std::to_string(count);
     }
-    throw Error("Field data array '" + std::string(name) + "' must be of type int with " + allowed +
+    throw Error("Field data array '" + std::string(kind.name) + "' must be of type int with " + allowed +
       " components, but is " + any->GetClassName() + " with " + std::to_string(found) + ".");
   }
   return array;
+}
+
+/// The array `BoundaryNames`, or null.
+vtkStringArray* boundaryNames(vtkFieldData* fields)
+{
+  vtkAbstractArray* any = fields ? fields->GetAbstractArray("BoundaryNames") : nullptr;
+  auto* names = vtkStringArray::SafeDownCast(any);
+  if (any && (!names || names->GetNumberOfComponents() != 1))
+  {
+    throw Error("Field data array 'BoundaryNames' must hold strings, one a tuple, but is " +
+      std::string(any->GetClassName()) + " with " + std::to_string(any->GetNumberOfComponents()) + " components.");
+  }
+  return names;
+}
+
+/// Gives every rank the array that some of them have, and refuses different ones. Collective.
+/// @param mine its content, null if there is none here.
+/// @return its content, null if no rank has it.
+template <typename T>
+std::unique_ptr<std::vector<T>> sharedArray(
+  std::unique_ptr<std::vector<T>> mine, const std::string& name, const Ranks& ranks)
+{
+  // Not the arrays themselves, or the traffic would grow with the number of ranks.
+  struct Digest
+  {
+    std::uint64_t here, hash;
+  };
+  Digest digest{ 0, 14695981039346656037u }; // of FNV-1a, by whole numbers
+  if (mine)
+  {
+    digest.here = 1;
+    for (const T& value : *mine)
+    {
+      digest.hash = (digest.hash ^ static_cast<std::uint64_t>(value)) * 1099511628211u;
+    }
+  }
+  const std::vector<Digest> all = ranks.gatherAll(std::vector<Digest>{ digest });
+  int owner = -1;
+  for (int r = 0; r < ranks.size(); ++r)
+  {
+    if (owner >= 0 && all[r].here && all[r].hash != all[owner].hash)
+    {
+      throw Error("Field data array '" + name + "' is not the same on the ranks " + std::to_string(owner) + " and " +
+        std::to_string(r) + ".");
+    }
+    owner = owner < 0 && all[r].here ? r : owner;
+  }
+  if (owner < 0 || std::all_of(all.begin(), all.end(), [](const Digest& other) { return other.here != 0; }))
+  {
+    return mine;
+  }
+  std::vector<std::vector<T>> toRank(ranks.size());
+  for (int r = 0; r < ranks.size(); ++r)
+  {
+    if (owner == ranks.rank() && !all[r].here)
+    {
+      toRank[r] = *mine;
+    }
+  }
+  std::vector<std::vector<T>> received = ranks.exchange(toRank);
+  return mine ? std::move(mine) : std::make_unique<std::vector<T>>(std::move(received[owner]));
+}
+
+/// The arrays of this file that any rank has in its field data. Collective.
+vtkSmartPointer<vtkFieldData> sharedFields(vtkFieldData* mine, const Ranks& ranks)
+{
+  if (ranks.size() == 1)
+  {
+    return mine;
+  }
+  ranks.together([&] {
+    for (const IntArrayKind* kind : { &InterfacesArray, &BoundariesArray, &CreasesArray })
+    {
+      intArray(mine, *kind);
+    }
+    boundaryNames(mine);
+  });
+  auto fields = vtkSmartPointer<vtkFieldData>::New();
+  for (const IntArrayKind* kind : { &InterfacesArray, &BoundariesArray, &CreasesArray })
+  {
+    // The number of components, then the values.
+    std::unique_ptr<std::vector<int>> values;
+    if (vtkIntArray* array = intArray(mine, *kind))
+    {
+      values = std::make_unique<std::vector<int>>(array->GetPointer(0), array->GetPointer(array->GetNumberOfValues()));
+      values->insert(values->begin(), array->GetNumberOfComponents());
+    }
+    if (const auto all = sharedArray(std::move(values), kind->name, ranks))
+    {
+      vtkNew<vtkIntArray> array;
+      array->SetName(kind->name);
+      array->SetNumberOfComponents(all->front());
+      array->SetNumberOfValues(static_cast<vtkIdType>(all->size()) - 1);
+      std::copy(all->begin() + 1, all->end(), array->GetPointer(0));
+      fields->AddArray(array);
+    }
+  }
+  // Each name with a zero behind it.
+  std::unique_ptr<std::vector<char>> letters;
+  if (vtkStringArray* names = boundaryNames(mine))
+  {
+    letters = std::make_unique<std::vector<char>>();
+    for (vtkIdType i = 0; i < names->GetNumberOfValues(); ++i)
+    {
+      const char* name = names->GetValue(i).c_str();
+      letters->insert(letters->end(), name, name + std::strlen(name) + 1);
+    }
+  }
+  if (const auto all = sharedArray(std::move(letters), "BoundaryNames", ranks))
+  {
+    vtkNew<vtkStringArray> names;
+    names->SetName("BoundaryNames");
+    for (auto at = all->begin(); at != all->end(); at = std::find(at, all->end(), '\0') + 1)
+    {
+      names->InsertNextValue(&*at);
+    }
+    fields->AddArray(names);
+  }
+  return fields;
 }
 
 /// Reads one entry of a field data array and checks it against the blocks.
@@ -243,7 +548,7 @@ void forEachEntry(
 
 void readInterfaces(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, BlockMesh& mesh)
 {
-  vtkIntArray* array = intArray(fields, "Interfaces", { 12 });
+  vtkIntArray* array = intArray(fields, InterfacesArray);
   forEachEntry(array, mesh, blockOfLeaf, [&](const Entry& entry) {
     Interface contact;
     contact.blockA = entry.block(0);
@@ -277,21 +582,13 @@ void readInterfaces(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, B
 
 void readBoundaries(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, BlockMesh& mesh)
 {
-  if (vtkAbstractArray* any = fields ? fields->GetAbstractArray("BoundaryNames") : nullptr)
+  vtkStringArray* names = boundaryNames(fields);
+  for (vtkIdType i = 0; names && i < names->GetNumberOfValues(); ++i)
   {
-    auto* names = vtkStringArray::SafeDownCast(any);
-    if (!names || names->GetNumberOfComponents() != 1)
-    {
-      throw Error("Field data array 'BoundaryNames' must hold strings, one a tuple, but is " +
-        std::string(any->GetClassName()) + " with " + std::to_string(any->GetNumberOfComponents()) + " components.");
-    }
-    for (vtkIdType i = 0; i < names->GetNumberOfValues(); ++i)
-    {
-      mesh.boundaryNames.push_back(names->GetValue(i));
-    }
+    mesh.boundaryNames.push_back(names->GetValue(i));
   }
 
-  vtkIntArray* array = intArray(fields, "Boundaries", { 3, 7 });
+  vtkIntArray* array = intArray(fields, BoundariesArray);
   forEachEntry(array, mesh, blockOfLeaf, [&](const Entry& entry) {
     BoundaryPatch patch;
     patch.block = entry.block(0);
@@ -309,7 +606,7 @@ void readBoundaries(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, B
 
 void readCreases(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, BlockMesh& mesh)
 {
-  vtkIntArray* array = intArray(fields, "CreaseEdges", { 7 });
+  vtkIntArray* array = intArray(fields, CreasesArray);
   forEachEntry(array, mesh, blockOfLeaf, [&](const Entry& entry) {
     CreaseLine line;
     line.block = entry.block(0);
@@ -361,36 +658,44 @@ FaceRange wholeFace(const Ijk& counts, int face)
 
 } // namespace
 
-BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids)
+BlockMesh blockMesh(
+  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
 {
   std::vector<Leaf> leaves;
   if (input)
   {
     collectLeaves(input, "", leaves);
   }
+  const std::vector<SharedLeaf> shared = shareLeaves(leaves, ranks);
 
   BlockMesh mesh;
   grids.clear();
-  std::vector<int> blockOfLeaf(leaves.size(), -1);
-  for (std::size_t i = 0; i < leaves.size(); ++i)
-  {
-    const std::string name = leaves[i].name.empty() ? "block " + std::to_string(i) : leaves[i].name;
-    vtkSmartPointer<vtkStructuredGrid> grid = vtkStructuredGrid::SafeDownCast(leaves[i].data);
-    if (leaves[i].data && !grid)
+  std::vector<int> blockOfLeaf(shared.size(), -1);
+  ranks.together([&] {
+    for (std::size_t i = 0; i < shared.size(); ++i)
     {
-      throw Error(
-        "Block '" + name + "' is a " + leaves[i].data->GetClassName() + "; only vtkStructuredGrid can be a block.");
-    }
-    // A grid without points is how a missing block travels through filters that keep the structure.
-    if (grid && grid->GetNumberOfPoints() > 0)
-    {
+      const SharedLeaf& leaf = shared[i];
+      if (leaf.rank < 0)
+      {
+        continue;
+      }
       blockOfLeaf[i] = static_cast<int>(mesh.blocks.size());
-      mesh.blocks.push_back(meshBlock(grid, name));
+      MeshBlock block;
+      block.points = GridView::elsewhere(leaf.counts);
+      block.rank = leaf.rank;
+      block.name = blockName(leaf.name, i);
+      vtkSmartPointer<vtkStructuredGrid> grid;
+      if (leaf.rank == ranks.rank())
+      {
+        grid = vtkStructuredGrid::SafeDownCast(leaf.own->data);
+        readPoints(grid, block);
+      }
+      mesh.blocks.push_back(std::move(block));
       grids.push_back(grid);
     }
-  }
+  });
 
-  vtkFieldData* fields = input ? input->GetFieldData() : nullptr;
+  const vtkSmartPointer<vtkFieldData> fields = sharedFields(input ? input->GetFieldData() : nullptr, ranks);
   readInterfaces(fields, blockOfLeaf, mesh);
   readBoundaries(fields, blockOfLeaf, mesh);
   readCreases(fields, blockOfLeaf, mesh);
@@ -514,7 +819,10 @@ void setBlocks(vtkPartitionedDataSetCollection* collection,
   assembly->SetRootNodeName(nodeName(root).c_str());
   for (unsigned int i = 0; i < grids.size(); ++i)
   {
-    collection->SetPartition(i, 0, grids[i]);
+    if (grids[i])
+    {
+      collection->SetPartition(i, 0, grids[i]);
+    }
     collection->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), names[i].c_str());
     const int node = assembly->AddNode(nodeName(names[i]).c_str());
     assembly->AddDataSetIndex(node, i);

@@ -16,11 +16,15 @@
 ///
 /// Faces, face axes and orientation codes are those of BlockTopology.h, ranges are mesh point indices from 0, both
 /// ends included. The point array `CreaseSharpness` (1 component) becomes MeshBlock::creaseSharpness.
+///
+/// Of a mesh on several ranks each has the same tree, in which the leaves are missing that are on others; ranks without
+/// any block may have an empty tree. A data set with several partitions may have them on different ranks.
 #pragma once
 
 #include "BSplineVolumeFiltersModule.h"
 
 #include "BlockMesh.h"
+#include "Ranks.h"
 
 #include "vtkSmartPointer.h"
 
@@ -36,14 +40,18 @@ class vtkStructuredGrid;
 namespace bsv
 {
 
-/// The core's view of `input`. Points stored as x y z triples of float or double are not copied.
-/// @param[out] grids the grid of every block of the result, in its order. They own the memory behind the result's
-///   views: keep them, and do not change their points, as long as the result is used. A grid whose points had to be
-///   converted is a shallow copy of the input's.
+/// The core's view of `input`. Points stored as x y z triples of float or double are not copied. Collective: the result
+/// has the blocks of all ranks, with the points of those that are here.
+///
+/// A block that several ranks have belongs to the lowest of them. Field data are taken from the ranks that have them.
+/// @param[out] grids the grid of every block of the result, in its order, null for those on other ranks. They own the
+///   memory behind the result's views: keep them, and do not change their points, as long as the result is used. A grid
+///   whose points had to be converted is a shallow copy of the input's.
+/// @param ranks who shares the mesh; by default nobody.
 /// @throws Error for leaves that are no structured grids, blocks of fewer than 2 points in a direction, and arrays of
-///   the wrong type or size or with entries out of range.
-BSPLINEVOLUMEFILTERS_EXPORT BlockMesh blockMesh(
-  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids);
+///   the wrong type or size or with entries out of range; for blocks and arrays that differ from rank to rank.
+BSPLINEVOLUMEFILTERS_EXPORT BlockMesh blockMesh(vtkDataObject* input,
+  std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks = Ranks());
 
 /// Point array `name` of a grid as doubles (not copied if it is a vtkDoubleArray), or null if there is none.
 /// @throws Error naming `block` and the array if it is not numeric or has not that many components.
@@ -71,7 +79,7 @@ BSPLINEVOLUMEFILTERS_EXPORT vtkSmartPointer<vtkStructuredGrid> blockGrid(const I
 BSPLINEVOLUMEFILTERS_EXPORT std::string nodeName(const std::string& name);
 
 /// Makes `collection` hold one partitioned data set per block, named in its meta data and in a flat assembly with the
-/// root node `root`.
+/// root node `root`. A null grid, of a block that is elsewhere, makes a data set without a partition.
 BSPLINEVOLUMEFILTERS_EXPORT void setBlocks(vtkPartitionedDataSetCollection* collection,
   const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const std::vector<std::string>& names,
   const char* root);

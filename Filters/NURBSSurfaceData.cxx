@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace bsv
@@ -186,52 +187,209 @@ void addField(vtkFieldData* fields, const char* name, int components, const Valu
   fields->AddArray(array);
 }
 
+/// Patches as a row of numbers.
+class PatchMessage
+{
+public:
+  std::vector<double> numbers;
+
+  template <typename Values>
+  void add(const Values& values)
+  {
+    this->numbers.push_back(static_cast<double>(values.size()));
+    this->numbers.insert(this->numbers.end(), values.begin(), values.end());
+  }
+  void add(const BodyPatch& patch)
+  {
+    this->add(patch.name);
+    this->add(std::array<int, 3>{ patch.surface.degree[0], patch.surface.degree[1], patch.reversed ? 1 : 0 });
+    this->add(patch.surface.knots[0]);
+    this->add(patch.surface.knots[1]);
+    this->addPoints(patch.surface.points);
+    this->add(patch.surface.weights);
+    this->numbers.push_back(static_cast<double>(patch.loops.size()));
+    for (const TrimLoop& loop : patch.loops)
+    {
+      this->numbers.push_back(static_cast<double>(loop.size()));
+      for (const ParameterCurve& curve : loop)
+      {
+        this->numbers.push_back(curve.degree);
+        this->add(curve.knots);
+        this->addPoints(curve.points);
+        this->add(curve.weights);
+      }
+    }
+  }
+
+  bool atEnd() const { return this->Next == this->numbers.size(); }
+  int integer() { return static_cast<int>(this->numbers[this->Next++]); }
+  template <typename Values>
+  void take(Values& values)
+  {
+    const std::size_t size = static_cast<std::size_t>(this->numbers[this->Next++]);
+    values = Values(this->numbers.begin() + this->Next, this->numbers.begin() + this->Next + size);
+    this->Next += size;
+  }
+  BodyPatch patch()
+  {
+    BodyPatch patch;
+    this->take(patch.name);
+    std::vector<int> kind;
+    this->take(kind);
+    patch.surface.degree = { kind[0], kind[1] };
+    patch.reversed = kind[2] != 0;
+    this->take(patch.surface.knots[0]);
+    this->take(patch.surface.knots[1]);
+    this->takePoints(patch.surface.points);
+    this->take(patch.surface.weights);
+    patch.loops.resize(this->integer());
+    for (TrimLoop& loop : patch.loops)
+    {
+      loop.resize(this->integer());
+      for (ParameterCurve& curve : loop)
+      {
+        curve.degree = this->integer();
+        this->take(curve.knots);
+        this->takePoints(curve.points);
+        this->take(curve.weights);
+      }
+    }
+    return patch;
+  }
+
+private:
+  template <typename Point>
+  void addPoints(const std::vector<Point>& points)
+  {
+    this->numbers.push_back(static_cast<double>(points.size()));
+    for (const Point& point : points)
+    {
+      this->numbers.insert(this->numbers.end(), point.data(), point.data() + point.size());
+    }
+  }
+  template <typename Point>
+  void takePoints(std::vector<Point>& points)
+  {
+    points.resize(static_cast<std::size_t>(this->numbers[this->Next++]));
+    for (Point& point : points)
+    {
+      std::copy_n(this->numbers.begin() + this->Next, point.size(), point.data());
+      this->Next += point.size();
+    }
+  }
+
+  std::size_t Next = 0;
+};
+
+/// Data set and partition of a patch in the tree, the same on all ranks.
+using PatchPlace = std::array<int, 2>;
+
+/// Gives every rank the patches that only others have. Collective.
+void sharePatches(std::map<PatchPlace, BodyPatch>& patches, const Ranks& ranks)
+{
+  std::vector<PatchPlace> mine;
+  for (const auto& entry : patches)
+  {
+    mine.push_back(entry.first);
+  }
+  const std::vector<std::vector<PatchPlace>> all = ranks.gather(mine);
+  std::map<PatchPlace, int> owner; // lowest rank with a patch
+  for (int r = 0; r < ranks.size(); ++r)
+  {
+    for (const PatchPlace& place : all[r])
+    {
+      owner.emplace(place, r);
+    }
+  }
+  if (std::all_of(all.begin(), all.end(), [&](const auto& places) { return places.size() == owner.size(); }))
+  {
+    return;
+  }
+  std::vector<PatchMessage> messages(ranks.size());
+  for (const auto& [place, rank] : owner)
+  {
+    for (int r = 0; rank == ranks.rank() && r < ranks.size(); ++r)
+    {
+      if (!std::binary_search(all[r].begin(), all[r].end(), place))
+      {
+        messages[r].numbers.insert(messages[r].numbers.end(), place.begin(), place.end());
+        messages[r].add(patches.at(place));
+      }
+    }
+  }
+  std::vector<std::vector<double>> toRank;
+  for (PatchMessage& message : messages)
+  {
+    toRank.push_back(std::move(message.numbers));
+  }
+  for (std::vector<double>& numbers : ranks.exchange(toRank))
+  {
+    PatchMessage message;
+    message.numbers = std::move(numbers);
+    while (!message.atEnd())
+    {
+      const int dataSet = message.integer();
+      const int partition = message.integer();
+      patches.emplace(PatchPlace{ dataSet, partition }, message.patch());
+    }
+  }
+}
+
 } // namespace
 
-std::vector<BodyPatch> bodyPatches(vtkDataObject* input)
+std::vector<BodyPatch> bodyPatches(vtkDataObject* input, const Ranks& ranks)
 {
-  std::vector<BodyPatch> patches;
-  const auto take = [&](vtkDataObject* data, const char* name) {
+  std::map<PatchPlace, BodyPatch> patches;
+  const auto take = [&](vtkDataObject* data, const char* name, PatchPlace place) {
     auto* grid = vtkStructuredGrid::SafeDownCast(data);
     if (grid && grid->GetFieldData() && grid->GetFieldData()->GetAbstractArray("Degree"))
     {
       const std::string text = name ? name : "";
       const std::string label = "patch " + std::to_string(patches.size()) + (text.empty() ? "" : " '" + text + "'");
-      patches.push_back(readPatch(grid, text, label));
+      patches.emplace(place, readPatch(grid, text, label));
     }
   };
-  if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(input))
-  {
-    for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
+  ranks.together([&] {
+    if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(input))
     {
-      const char* name =
-        collection->HasMetaData(i) ? collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()) : nullptr;
-      for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
+      for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
       {
-        take(collection->GetPartitionAsDataObject(i, p), name);
+        const char* name =
+          collection->HasMetaData(i) ? collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()) : nullptr;
+        for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
+        {
+          take(collection->GetPartitionAsDataObject(i, p), name, { static_cast<int>(i), static_cast<int>(p) });
+        }
       }
     }
-  }
-  else if (auto* tree = vtkDataObjectTree::SafeDownCast(input))
-  {
-    auto iterator = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
-    iterator->VisitOnlyLeavesOn();
-    iterator->TraverseSubTreeOn();
-    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+    else if (auto* tree = vtkDataObjectTree::SafeDownCast(input))
     {
-      take(iterator->GetCurrentDataObject(),
-        iterator->HasCurrentMetaData() ? iterator->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME()) : nullptr);
+      auto iterator = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
+      iterator->VisitOnlyLeavesOn();
+      iterator->TraverseSubTreeOn();
+      for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+      {
+        take(iterator->GetCurrentDataObject(),
+          iterator->HasCurrentMetaData() ? iterator->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME()) : nullptr,
+          { static_cast<int>(iterator->GetCurrentFlatIndex()), 0 });
+      }
     }
-  }
-  else
-  {
-    take(input, nullptr);
-  }
+    else
+    {
+      take(input, nullptr, { 0, 0 });
+    }
+  });
+  sharePatches(patches, ranks);
   if (patches.empty())
   {
     throw Error("the body holds no NURBS patch: no structured grid with the field data array 'Degree'");
   }
-  return patches;
+  std::vector<BodyPatch> result;
+  for (auto& entry : patches)
+  {
+    result.push_back(std::move(entry.second));
+  }
+  return result;
 }
 
 vtkSmartPointer<vtkStructuredGrid> patchGrid(const BodyPatch& patch, const std::string& layer)

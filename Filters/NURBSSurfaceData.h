@@ -29,6 +29,7 @@
 #include "BSplineVolumeFiltersModule.h"
 
 #include "NURBSSurface.h"
+#include "Ranks.h"
 
 #include "vtkSmartPointer.h"
 
@@ -45,9 +46,11 @@ namespace bsv
 {
 
 /// The patches of a body: all structured grids of the input (a collection, a tree or one grid) that have the array
-/// `Degree`, in their order; other data sets are passed over.
+/// `Degree`, in their order; other data sets are passed over. Collective: patches that only some ranks have are sent to
+/// the others; all have the same tree, or none.
+/// @param ranks who shares the body; by default nobody.
 /// @throws Error for arrays of the wrong type or size, what checkBodyPatch() refuses, and an input without patches.
-BSPLINEVOLUMEFILTERS_EXPORT std::vector<BodyPatch> bodyPatches(vtkDataObject* input);
+BSPLINEVOLUMEFILTERS_EXPORT std::vector<BodyPatch> bodyPatches(vtkDataObject* input, const Ranks& ranks = Ranks());
 
 /// A patch as a structured grid. An empty `layer` makes no array.
 BSPLINEVOLUMEFILTERS_EXPORT vtkSmartPointer<vtkStructuredGrid> patchGrid(

@@ -77,10 +77,19 @@ struct BlockSpans
   }
 };
 
+/// What all ranks know of a block.
+struct BlockSummary
+{
+  std::size_t block;
+  Index valid, invalid, undecided;
+  double lowest, lowestScaled;
+  bool leftHanded;
+};
+
 /// Where the spans of one face go on: the spans of the other face.
 struct Neighbour
 {
-  const BlockSpans* block = nullptr;
+  int block = -1;
   int face = 0;
   int orientation = 0;
 };
@@ -93,16 +102,6 @@ Ijk faceSpan(const Ijk& spans, int face, int s, int t)
   ijk[bsv::faceAxis(face, 0)] = s;
   ijk[bsv::faceAxis(face, 1)] = t;
   return ijk;
-}
-
-/// Size, across the interface, of the span that `span` of `block` meets at `face`.
-double sizeBeyond(const BlockSpans& block, const Ijk& span, int face, const Neighbour& neighbour)
-{
-  const int axes[2] = { bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
-  const std::array<int, 2> st = bsv::mapFacePoint(
-    neighbour.orientation, span[axes[0]], span[axes[1]], block.spans[axes[0]] - 1, block.spans[axes[1]] - 1);
-  return neighbour.block->size(
-    faceSpan(neighbour.block->spans, neighbour.face, st[0], st[1]), bsv::faceDirection(neighbour.face));
 }
 
 /// The neighbour at every face of every block.
@@ -118,16 +117,81 @@ std::vector<std::array<Neighbour, 6>> neighbours(
     if (a.spans[bsv::faceAxis(contact.faceA, 0)] == b.spans[bsv::faceAxis(contact.faceB, swap)] &&
       a.spans[bsv::faceAxis(contact.faceA, 1)] == b.spans[bsv::faceAxis(contact.faceB, 1 - swap)])
     {
-      result[contact.blockA][contact.faceA] = { &b, contact.faceB, contact.orientation };
-      result[contact.blockB][contact.faceB] = { &a, contact.faceA, bsv::inverseOrientation(contact.orientation) };
+      result[contact.blockA][contact.faceA] = { contact.blockB, contact.faceB, contact.orientation };
+      result[contact.blockB][contact.faceB] = { contact.blockA, contact.faceA,
+        bsv::inverseOrientation(contact.orientation) };
     }
   }
   return result;
 }
 
-/// `AspectRatio` and `GrowthRatio`.
-void addSizes(BlockSpans& block, const std::array<Neighbour, 6>& around, const bsv::Execution& run)
+/// Per face of a block the sizes, across it, of the spans of the face that it meets, first axis there fastest.
+using SizesBeyond = std::array<std::vector<double>, 6>;
+
+/// Of every block on this rank. Collective.
+std::vector<SizesBeyond> sizesBeyond(const std::vector<BlockSpans>& blocks,
+  const std::vector<std::array<Neighbour, 6>>& around, const bsv::BSplineVolumeBlocks& input, const bsv::Ranks& ranks)
 {
+  std::vector<SizesBeyond> sizes(blocks.size());
+  // All ranks go over all pairs in one order: nobody needs to ask.
+  const auto overContacts = [&](const auto& visit) {
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+    {
+      for (int face = 0; face < 6; ++face)
+      {
+        if (around[b][face].block >= 0)
+        {
+          visit(static_cast<int>(b), face, around[b][face]);
+        }
+      }
+    }
+  };
+  std::vector<std::vector<double>> toRank(ranks.size());
+  ranks.together([&] {
+    overContacts([&](int b, int face, const Neighbour& other) {
+      if (!input.isHere(other.block))
+      {
+        return;
+      }
+      const BlockSpans& block = blocks[other.block];
+      std::vector<double>& to = input.isHere(b) ? sizes[b][face] : toRank[input.ranks[b]];
+      for (int t = 0; t < block.spans[bsv::faceAxis(other.face, 1)]; ++t)
+      {
+        for (int s = 0; s < block.spans[bsv::faceAxis(other.face, 0)]; ++s)
+        {
+          to.push_back(block.size(faceSpan(block.spans, other.face, s, t), bsv::faceDirection(other.face)));
+        }
+      }
+    });
+  });
+  const std::vector<std::vector<double>> received = ranks.exchange(toRank);
+  std::vector<std::size_t> next(ranks.size(), 0);
+  overContacts([&](int b, int face, const Neighbour& other) {
+    if (input.isHere(b) && !input.isHere(other.block))
+    {
+      const Ijk& spans = blocks[other.block].spans;
+      const int from = input.ranks[other.block];
+      const auto begin = received[from].begin() + next[from];
+      next[from] += std::size_t(spans[bsv::faceAxis(other.face, 0)]) * spans[bsv::faceAxis(other.face, 1)];
+      sizes[b][face].assign(begin, received[from].begin() + next[from]);
+    }
+  });
+  return sizes;
+}
+
+/// `AspectRatio` and `GrowthRatio`.
+void addSizes(
+  BlockSpans& block, const std::array<Neighbour, 6>& around, const SizesBeyond& beyond, const bsv::Execution& run)
+{
+  // Size, across the interface, of the span that `span` meets at `face`.
+  const auto sizeBeyond = [&](const Ijk& span, int face) {
+    const int orientation = around[face].orientation;
+    const int axes[2] = { bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
+    const int last[2] = { block.spans[axes[0]] - 1, block.spans[axes[1]] - 1 };
+    const std::array<int, 2> st = bsv::mapFacePoint(orientation, span[axes[0]], span[axes[1]], last[0], last[1]);
+    const Index row = last[bsv::swapsAxes(orientation) ? 1 : 0] + 1;
+    return beyond[face][st[0] + row * st[1]];
+  };
   double* aspect = block.add("AspectRatio");
   double* growth = block.add("GrowthRatio", 3);
   run.parallelFor(block.count(), 1024, [&](Index begin, Index end) {
@@ -149,9 +213,9 @@ void addSizes(BlockSpans& block, const std::array<Neighbour, 6>& around, const b
           {
             ratio = bsv::sizeRatio(size, block.size(next, d));
           }
-          else if (around[face].block)
+          else if (around[face].block >= 0)
           {
-            ratio = bsv::sizeRatio(size, sizeBeyond(block, span, face, around[face]));
+            ratio = bsv::sizeRatio(size, sizeBeyond(span, face));
           }
           worst = ratio > 0.0 ? std::max(worst, ratio) : 0.0;
         }
@@ -282,7 +346,9 @@ int vtkBSplineVolumeQuality::RequestData(
   this->MinimumJacobian = this->MinimumScaledJacobian = 0.0;
   this->WorstBlock = -1;
   return bsv::execute(this, output, [&] {
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    const bsv::Execution shared = bsv::filterExecution(this);
+    const bsv::Ranks& ranks = *shared.ranks;
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
     if (input.volumes.empty())
     {
       return;
@@ -297,7 +363,7 @@ int vtkBSplineVolumeQuality::RequestData(
       {
         blocks[b].spans[d] = blocks[b].corners[d] - 1;
       }
-      total += static_cast<double>(blocks[b].count());
+      total += input.isHere(b) ? static_cast<double>(blocks[b].count()) : 0.0;
     }
 
     std::vector<std::vector<int>> walls(count);
@@ -317,58 +383,74 @@ int vtkBSplineVolumeQuality::RequestData(
     std::vector<bsv::JacobianReport> reports(count);
     bsv::JacobianOptions options;
     options.maxDepth = this->MaximumDepth;
-    double done = 0.0;
-    for (std::size_t b = 0; b < count; ++b)
-    {
-      BlockSpans& block = blocks[b];
-      const vtkIdType spans = block.count();
-      const double start = 0.9 * done / total;
-      done += static_cast<double>(spans);
-      const double end = 0.9 * done / total;
-
-      vtkNew<vtkPoints> points;
-      points->SetDataTypeToDouble();
-      points->SetNumberOfPoints(vtkIdType(block.corners[0]) * block.corners[1] * block.corners[2]);
-      auto* coordinates = vtkDoubleArray::SafeDownCast(points->GetData());
-      bsv::sample(input.volumes[b], 0, { 0, 0, 0 }, coordinates->GetPointer(0),
-        bsv::filterExecution(this, start, start + 0.1 * (end - start)));
-      block.points = coordinates->GetPointer(0);
-      block.grid->SetDimensions(block.corners.data());
-      block.grid->SetPoints(points);
-
-      const auto validity = namedArray<vtkUnsignedCharArray>("Validity", spans);
-      block.grid->GetCellData()->SetScalars(validity);
-      bsv::JacobianArrays arrays;
-      arrays.validity = validity->GetPointer(0);
-      arrays.lower = block.add("MinJacobian");
-      arrays.upper = block.add("MaxJacobian");
-      arrays.scaledJacobian = block.add("ScaledJacobian");
-      arrays.skewness = block.add("Skewness");
-      reports[b] = bsv::jacobianBounds(input.volumes[b], input.label(b), options, arrays,
-        bsv::filterExecution(this, start + 0.1 * (end - start), end));
-
-      const bsv::JacobianReport& report = reports[b];
-      const vtkIdType at = static_cast<vtkIdType>(b);
-      validSpans->SetValue(at, report.valid);
-      invalidSpans->SetValue(at, report.invalid);
-      undecidedSpans->SetValue(at, report.undecided);
-      minimum->SetValue(at, report.lowest);
-      minimumScaled->SetValue(at, *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans));
-      this->NumberOfSpans += spans;
-      this->NumberOfValidSpans += report.valid;
-      this->NumberOfInvalidSpans += report.invalid;
-      this->NumberOfUndecidedSpans += report.undecided;
-      if (this->WorstBlock < 0 || report.lowest < this->MinimumJacobian)
+    std::vector<BlockSummary> summaries;
+    ranks.together([&] {
+      double done = 0.0;
+      for (std::size_t b = 0; b < count; ++b)
       {
-        this->MinimumJacobian = report.lowest;
-        this->WorstBlock = static_cast<int>(b);
+        if (!input.isHere(b))
+        {
+          continue;
+        }
+        BlockSpans& block = blocks[b];
+        const vtkIdType spans = block.count();
+        const double start = 0.9 * done / total;
+        done += static_cast<double>(spans);
+        const double end = 0.9 * done / total;
+
+        vtkNew<vtkPoints> points;
+        points->SetDataTypeToDouble();
+        points->SetNumberOfPoints(vtkIdType(block.corners[0]) * block.corners[1] * block.corners[2]);
+        auto* coordinates = vtkDoubleArray::SafeDownCast(points->GetData());
+        bsv::sample(input.volumes[b], 0, { 0, 0, 0 }, coordinates->GetPointer(0),
+          bsv::filterExecution(this, start, start + 0.1 * (end - start)));
+        block.points = coordinates->GetPointer(0);
+        block.grid->SetDimensions(block.corners.data());
+        block.grid->SetPoints(points);
+
+        const auto validity = namedArray<vtkUnsignedCharArray>("Validity", spans);
+        block.grid->GetCellData()->SetScalars(validity);
+        bsv::JacobianArrays arrays;
+        arrays.validity = validity->GetPointer(0);
+        arrays.lower = block.add("MinJacobian");
+        arrays.upper = block.add("MaxJacobian");
+        arrays.scaledJacobian = block.add("ScaledJacobian");
+        arrays.skewness = block.add("Skewness");
+        reports[b] = bsv::jacobianBounds(input.volumes[b], input.label(b), options, arrays,
+          bsv::filterExecution(this, start + 0.1 * (end - start), end));
+        const bsv::JacobianReport& report = reports[b];
+        // The bounds of single spans may reach beyond zero although det J does not.
+        const bool leftHanded = report.invalid == spans && 2 * report.negative > spans;
+        summaries.push_back({ b, report.valid, report.invalid, report.undecided, report.lowest,
+          *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans), leftHanded });
+      }
+    });
+    summaries = ranks.gatherAll(summaries);
+    std::sort(summaries.begin(), summaries.end(),
+      [](const BlockSummary& x, const BlockSummary& y) { return x.block < y.block; });
+    for (const BlockSummary& summary : summaries)
+    {
+      const vtkIdType at = static_cast<vtkIdType>(summary.block);
+      const vtkIdType spans = blocks[at].count();
+      validSpans->SetValue(at, summary.valid);
+      invalidSpans->SetValue(at, summary.invalid);
+      undecidedSpans->SetValue(at, summary.undecided);
+      minimum->SetValue(at, summary.lowest);
+      minimumScaled->SetValue(at, summary.lowestScaled);
+      this->NumberOfSpans += spans;
+      this->NumberOfValidSpans += summary.valid;
+      this->NumberOfInvalidSpans += summary.invalid;
+      this->NumberOfUndecidedSpans += summary.undecided;
+      if (this->WorstBlock < 0 || summary.lowest < this->MinimumJacobian)
+      {
+        this->MinimumJacobian = summary.lowest;
+        this->WorstBlock = static_cast<int>(at);
       }
       this->MinimumScaledJacobian =
-        b == 0 ? minimumScaled->GetValue(at) : std::min(this->MinimumScaledJacobian, minimumScaled->GetValue(at));
-      // The bounds of single spans may reach beyond zero although det J does not.
-      if (report.invalid == spans && 2 * report.negative > spans)
+        at == 0 ? summary.lowestScaled : std::min(this->MinimumScaledJacobian, summary.lowestScaled);
+      if (summary.leftHanded && ranks.rank() == 0)
       {
-        vtkWarningMacro(<< input.label(b) << " is left-handed: det J <= 0 in all of its " << spans << " spans.");
+        vtkWarningMacro(<< input.label(at) << " is left-handed: det J <= 0 in all of its " << spans << " spans.");
       }
     }
 
@@ -389,19 +471,26 @@ int vtkBSplineVolumeQuality::RequestData(
       catch (const bsv::Error& error)
       {
         // Everything but GrowthRatio does without them.
-        vtkWarningMacro(<< "No interfaces are found: " << error.what());
+        if (ranks.rank() == 0)
+        {
+          vtkWarningMacro(<< "No interfaces are found: " << error.what());
+        }
       }
     }
 
     const bsv::Execution run = bsv::filterExecution(this, 0.95, 1.0);
     const std::vector<std::array<Neighbour, 6>> around = neighbours(interfaces, blocks);
-    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    const std::vector<SizesBeyond> beyond = sizesBeyond(blocks, around, input, ranks);
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids(count);
     for (std::size_t b = 0; b < count; ++b)
     {
       run.report(static_cast<double>(b) / static_cast<double>(count));
-      addSizes(blocks[b], around[b], run);
-      addHeights(blocks[b], walls[b]);
-      grids.push_back(blocks[b].grid);
+      if (input.isHere(b))
+      {
+        addSizes(blocks[b], around[b], beyond[b], run);
+        addHeights(blocks[b], walls[b]);
+        grids[b] = blocks[b].grid;
+      }
     }
     bsv::setBlocks(output, grids, input.names, "Quality");
     bsv::setWholeFaceContacts(output, interfaces, input.boundaries, input.boundaryNames);

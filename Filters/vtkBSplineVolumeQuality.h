@@ -32,6 +32,8 @@
  * arrays: `BlockId` (int), `Span` (int, 3: the cell of output 0), `UVW` (double, 3: parameters of the knots) and
  * `Jacobian` (double), a certified upper bound of det J there.
  *
+ * Several ranks each have the spans and witnesses of their blocks; all have the field data and the totals of all.
+ *
  * A block that is invalid throughout, det J < 0, is left-handed: a warning names it. An empty input gives empty
  * outputs.
  */

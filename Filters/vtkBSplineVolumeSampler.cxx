@@ -63,7 +63,8 @@ int vtkBSplineVolumeSampler::RequestData(
     return 0;
   }
   return bsv::execute(this, output, [&] {
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    const bsv::BSplineVolumeBlocks input =
+      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
     const std::size_t blocks = input.volumes.size();
     if (blocks == 0)
     {
@@ -80,17 +81,21 @@ int vtkBSplineVolumeSampler::RequestData(
       {
         throw bsv::Error(input.label(b) + ": Level " + std::to_string(this->Level) + " has too many samples");
       }
-      total += points;
+      total += input.isHere(b) ? points : 0.0;
     }
     const int arrays = this->ComputeDerivatives ? 4 : 1;
     bsv::requireMemory(total * arrays * 3 * sizeof(double), "Level " + std::to_string(this->Level), "the samples");
 
     static constexpr std::array<std::array<int, 3>, 4> Orders{ { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
     static constexpr const char* Names[4] = { "", "dXdU", "dXdV", "dXdW" };
-    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids(blocks);
     double done = 0.0;
     for (std::size_t b = 0; b < blocks; ++b)
     {
+      if (!input.isHere(b))
+      {
+        continue;
+      }
       vtkNew<vtkStructuredGrid> grid;
       grid->SetDimensions(counts[b].data());
       const vtkIdType size = vtkIdType(counts[b][0]) * counts[b][1] * counts[b][2];
@@ -113,7 +118,7 @@ int vtkBSplineVolumeSampler::RequestData(
           grid->GetPointData()->AddArray(values);
         }
       }
-      grids.push_back(grid);
+      grids[b] = grid;
     }
     bsv::setBlocks(output, grids, input.names, "Samples");
     bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames);

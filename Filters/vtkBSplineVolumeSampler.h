@@ -16,6 +16,8 @@
  * at a knot, the mean of its two sides. Field data of the collection: `Interfaces`, `Boundaries`, `BoundaryNames` of
  * the input.
  *
+ * Several ranks each have the samples of their blocks, and the data sets, without partition, of all others.
+ *
  * An empty input gives an empty output. A block that is no B-spline volume, or more samples than can be held, is an
  * error that names the block; the output is then empty.
  */

@@ -246,6 +246,7 @@ void setBlockJumps(vtkPolyData* surface, const bsv::BlockSmoothness& block, int 
   both([&](vtkIdType n) { return filled<vtkIntArray>("WorstJoin", n, row); });
 }
 
+/// Parts on other ranks are null: data sets without a partition.
 void setParts(vtkPartitionedDataSetCollection* output, const std::vector<vtkSmartPointer<vtkPolyData>>& parts,
   const std::vector<std::string>& names, const char* root)
 {
@@ -254,7 +255,10 @@ void setParts(vtkPartitionedDataSetCollection* output, const std::vector<vtkSmar
   assembly->SetRootNodeName(root);
   for (unsigned int p = 0; p < parts.size(); ++p)
   {
-    output->SetPartition(p, 0, parts[p]);
+    if (parts[p])
+    {
+      output->SetPartition(p, 0, parts[p]);
+    }
     output->GetMetaData(p)->Set(vtkCompositeDataSet::NAME(), names[p].c_str());
     const int node = assembly->AddNode(bsv::nodeName(names[p]).c_str());
     assembly->AddDataSetIndex(node, p);
@@ -268,13 +272,15 @@ const char* kindOf(const bsv::Join& join)
   return !join.border() ? "interface" : join.crease ? "crease" : "wall border";
 }
 
-void fillTable(vtkTable* table, const bsv::SmoothnessResult& result, const std::vector<std::string>& names)
+/// @param rows false: only the columns
+void fillTable(vtkTable* table, const bsv::SmoothnessResult& result, const std::vector<std::string>& names, bool rows)
 {
+  const std::size_t count = rows ? result.ranking.size() : 0;
   const auto column = [&](auto array, const std::string& name, int components, const auto& fill) {
     array->SetName(name.c_str());
     array->SetNumberOfComponents(components);
-    array->SetNumberOfTuples(static_cast<vtkIdType>(result.ranking.size()));
-    for (std::size_t row = 0; row < result.ranking.size(); ++row)
+    array->SetNumberOfTuples(static_cast<vtkIdType>(count));
+    for (std::size_t row = 0; row < count; ++row)
     {
       fill(array.Get(), static_cast<vtkIdType>(row), result.joins[result.ranking[row]]);
     }
@@ -384,16 +390,20 @@ private:
   std::array<vtkNew<vtkIntArray>, 5> PerCell;
 };
 
-void fillCurves(vtkPolyData* output, const bsv::SmoothnessResult& result)
+/// Those that were measured on this rank.
+void fillCurves(vtkPolyData* output, const bsv::SmoothnessResult& result, const bsv::BSplineVolumeBlocks& input)
 {
   CurveBuilder builder;
   for (const bsv::ExtraordinaryCurve& curve : result.curves)
   {
-    builder.add(curve.points, curve.normalJump, { 0, curve.valence, -1, -1, -1 });
+    if (input.isHere(curve.block))
+    {
+      builder.add(curve.points, curve.normalJump, { 0, curve.valence, -1, -1, -1 });
+    }
   }
   for (const bsv::Join& join : result.joins)
   {
-    if (join.border())
+    if (join.border() && input.isHere(join.sides[0].block))
     {
       builder.add(join.points, join.values[int(JumpKind::NormalS)],
         { join.crease ? 2 : 1, std::abs(join.valences[0]), static_cast<int>(join.continuity), join.sides[0].block,
@@ -523,7 +533,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
   this->Report.clear();
 
   return bsv::execute(this, &output, [&] {
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    const bsv::BSplineVolumeBlocks input =
+      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
     if (input.volumes.empty())
     {
       return;
@@ -562,12 +573,15 @@ int vtkBSplineVolumeSmoothness::RequestData(
 
     std::vector<vtkSmartPointer<vtkPolyData>> surfaces;
     std::vector<std::string> names;
-    fillTable(output.joins, result, input.names);
-    fillCurves(output.curves, result);
+    // The tables of all ranks are shown as one.
+    fillTable(output.joins, result, input.names, bsv::globalRanks()->rank() == 0);
+    fillCurves(output.curves, result, input);
     for (std::size_t n = 0; n < interfaces.size(); ++n)
     {
       bsv::Join& join = result.joins[n];
-      surfaces.push_back(interfaceSurface(join, static_cast<int>(n), this->SamplesPerSpan));
+      surfaces.push_back(input.isHere(join.sides[0].block)
+          ? interfaceSurface(join, static_cast<int>(n), this->SamplesPerSpan)
+          : nullptr);
       names.push_back(input.names[join.sides[0].block] + "|" + input.names[join.sides[1].block]);
       // Not twice in memory.
       join.points = {};
@@ -587,7 +601,11 @@ int vtkBSplineVolumeSmoothness::RequestData(
     {
       run.report(static_cast<double>(b) / input.volumes.size());
       const int worst = result.blocks[b].worstJoin;
-      surfaces.push_back(skin(input.volumes[b], this->SamplesPerSpan));
+      surfaces.push_back(input.isHere(b) ? skin(input.volumes[b], this->SamplesPerSpan) : nullptr);
+      if (!input.isHere(b))
+      {
+        continue;
+      }
       setBlockJumps(surfaces.back(), result.blocks[b], worst < 0 ? -1 : rowOf[worst]);
     }
     setParts(output.blocks, surfaces, input.names, "Blocks");

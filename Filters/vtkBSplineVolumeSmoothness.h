@@ -50,6 +50,9 @@
  *
  * Active scalars, by which ParaView colours first: `LayerJump`, of the curves `NormalJump`.
  *
+ * Several ranks: the interfaces and wall borders are on the rank of their block A, skins on that of the block,
+ * extraordinary curves on that of one of their blocks, the table on the first rank. All know the maxima and the report.
+ *
  * An empty input gives empty outputs. An error names block and face, and leaves all outputs empty.
  */
 #ifndef vtkBSplineVolumeSmoothness_h

@@ -127,7 +127,8 @@ int vtkBSplineVolumeToBezier::RequestData(
     return 0;
   }
   return bsv::execute(this, output, [&] {
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    const bsv::BSplineVolumeBlocks input =
+      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
     const int blocks = static_cast<int>(input.volumes.size());
     if (blocks == 0)
     {
@@ -144,12 +145,12 @@ int vtkBSplineVolumeToBezier::RequestData(
       {
         spans[d] = (spans[d] - 1) / input.volumes[b].degree[d];
       }
-      for (int f = faces ? 0 : -1; f < (faces ? 6 : 0); ++f)
+      for (int f = faces ? 0 : -1; input.isHere(b) && f < (faces ? 6 : 0); ++f)
       {
         patches.push_back(patchOf(input.volumes[b], spans, b, f));
       }
     }
-    checkMemory(patches, input);
+    bsv::globalRanks()->together([&] { checkMemory(patches, input); });
 
     const bsv::BezierExtraction extraction(input.volumes, input.hasInterfaces ? &input.interfaces : nullptr,
       static_cast<bsv::BezierCells>(this->Cells), bsv::filterExecution(this, 0.0, 0.2));

@@ -5,6 +5,7 @@
 #include "ClosestPoint.h"
 #include "FilterExecution.h"
 #include "NURBSSurfaceData.h"
+#include "OwnedValues.h"
 #include "Sampling.h"
 
 #include "vtkCellArray.h"
@@ -29,6 +30,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <set>
 
@@ -49,8 +51,20 @@ struct WallFace
   bsv::BodyPatch patch;
 };
 
-/// The face of a block as a surface. Knots across it need not be clamped.
-bsv::NURBSSurface faceSurface(const bsv::BSplineVolume& volume, int face)
+/// Degrees and knots of the face of a block.
+bsv::NURBSSurface emptyFaceSurface(const bsv::BSplineVolume& volume, int face)
+{
+  bsv::NURBSSurface surface;
+  for (int d = 0; d < 2; ++d)
+  {
+    surface.degree[d] = volume.degree[bsv::faceAxis(face, d)];
+    surface.knots[d] = volume.knots[bsv::faceAxis(face, d)];
+  }
+  return surface;
+}
+
+/// Its control points, x y z of each. Knots across the face need not be clamped.
+std::vector<double> facePoints(const bsv::BSplineVolume& volume, int face)
 {
   const int across = bsv::faceDirection(face);
   const int degree = volume.degree[across];
@@ -66,20 +80,14 @@ bsv::NURBSSurface faceSurface(const bsv::BSplineVolume& volume, int face)
   }
   bsv::basisFunctions(degree, 0, left.data(), right.data(), weights.data());
 
-  bsv::NURBSSurface surface;
-  const std::array<int, 2> axes{ bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
-  for (int d = 0; d < 2; ++d)
-  {
-    surface.degree[d] = volume.degree[axes[d]];
-    surface.knots[d] = volume.knots[axes[d]];
-  }
+  std::vector<double> points;
   bsv::Ijk ijk;
-  for (int t = 0; t < surface.count(1); ++t)
+  for (int t = 0; t < volume.count(bsv::faceAxis(face, 1)); ++t)
   {
-    for (int s = 0; s < surface.count(0); ++s)
+    for (int s = 0; s < volume.count(bsv::faceAxis(face, 0)); ++s)
     {
-      ijk[axes[0]] = s;
-      ijk[axes[1]] = t;
+      ijk[bsv::faceAxis(face, 0)] = s;
+      ijk[bsv::faceAxis(face, 1)] = t;
       Vec3 point = Vec3::Zero();
       for (int q = 0; q <= degree; ++q)
       {
@@ -90,10 +98,41 @@ bsv::NURBSSurface faceSurface(const bsv::BSplineVolume& volume, int face)
           point += weights[q] * Eigen::Map<const Vec3>(volume.points + 3 * place);
         }
       }
-      surface.points.push_back(point);
+      points.insert(points.end(), point.data(), point.data() + 3);
     }
   }
-  return surface;
+  return points;
+}
+
+/// The wall, on all ranks.
+std::vector<WallFace> wallFaces(
+  const bsv::BSplineVolumeBlocks& input, const bsv::BoundaryPatterns& patterns, const bsv::Ranks& ranks)
+{
+  std::vector<bsv::BoundaryPatch> patches;
+  for (const bsv::BoundaryPatch& patch : input.boundaries)
+  {
+    if (bsv::matchesAny(patterns, input.boundaryNames[patch.tag]))
+    {
+      patches.push_back(patch);
+    }
+  }
+  const auto points = bsv::gatherListsFromOwners<double>(
+    ranks, patches.size(), [&](std::size_t f) { return input.ranks[patches[f].block]; },
+    [&](std::size_t f) { return facePoints(input.volumes[patches[f].block], patches[f].face); });
+  std::vector<WallFace> faces;
+  for (std::size_t f = 0; f < patches.size(); ++f)
+  {
+    const bsv::BoundaryPatch& patch = patches[f];
+    bsv::BodyPatch face;
+    face.name = "face " + std::to_string(patch.face) + " of " + input.label(patch.block);
+    face.surface = emptyFaceSurface(input.volumes[patch.block], patch.face);
+    for (std::size_t i = 0; i < points[f].size(); i += 3)
+    {
+      face.surface.points.emplace_back(points[f][i], points[f][i + 1], points[f][i + 2]);
+    }
+    faces.push_back({ patch.block, { bsv::faceAxis(patch.face, 0), bsv::faceAxis(patch.face, 1) }, std::move(face) });
+  }
+  return faces;
 }
 
 /// Control points of a side of a surface: 0 u first, 1 u last, 2 v first, 3 v last.
@@ -175,7 +214,47 @@ double angle(const Vec3& a, const Vec3& b)
   return std::atan2(a.cross(b).norm(), std::abs(a.dot(b))) * (180.0 / std::acos(-1.0));
 }
 
-/// Samples of one surface and their deviation from the other.
+/// A surface against another at one point.
+struct Deviation
+{
+  double distance;
+  double angle;
+  /// The closest point.
+  bsv::BodyPoint foot;
+};
+
+Deviation deviation(const Vec3& x, const Vec3& normal, const bsv::BodySurface& other)
+{
+  const bsv::BodyPoint closest = other.closestPoint(x);
+  double smallest = angle(normal, closest.geometry.normal);
+  constexpr double Shared = 1e-6;
+  for (const bsv::BodyPoint& neighbour : other.closestPointPerPatch(x, Shared * other.size()))
+  {
+    smallest = std::min(smallest, angle(normal, neighbour.geometry.normal));
+  }
+  return { closest.distance, smallest, closest };
+}
+
+/// Of samples of a surface, or of a part of it.
+struct Totals
+{
+  double maximum = 0.0;
+  double maximumAngle = 0.0;
+  /// Over the area, of which both have the same multiple.
+  double squares = 0.0;
+  double area = 0.0;
+
+  void add(const Totals& part)
+  {
+    this->maximum = std::max(this->maximum, part.maximum);
+    this->maximumAngle = std::max(this->maximumAngle, part.maximumAngle);
+    this->squares += part.squares;
+    this->area += part.area;
+  }
+  double rms() const { return this->area > 0.0 ? std::sqrt(this->squares / this->area) : 0.0; }
+};
+
+/// The point arrays of the samples of a surface.
 struct Samples
 {
   explicit Samples(vtkPolyData* data)
@@ -192,51 +271,41 @@ struct Samples
     data->GetPointData()->SetActiveScalars("Distance");
   }
 
-  /// Measures point i against `other`.
-  /// @return the closest point.
-  bsv::BodyPoint measure(vtkIdType i, const Vec3& x, const Vec3& normal, const bsv::BodySurface& other)
+  void set(vtkIdType i, double distance, double normalDeviation)
   {
-    const bsv::BodyPoint closest = other.closestPoint(x);
-    double smallest = angle(normal, closest.geometry.normal);
-    constexpr double Shared = 1e-6;
-    for (const bsv::BodyPoint& neighbour : other.closestPointPerPatch(x, Shared * other.size()))
-    {
-      smallest = std::min(smallest, angle(normal, neighbour.geometry.normal));
-    }
-    this->Distance->SetValue(i, closest.distance);
-    this->NormalDeviation->SetValue(i, smallest);
-    return closest;
+    this->Distance->SetValue(i, distance);
+    this->NormalDeviation->SetValue(i, normalDeviation);
   }
 
-  /// Totals of the points for which `counts` is not 0, or of all. Sequential: its sums must not depend on the threads.
-  void total(vtkUnsignedCharArray* counts)
+  /// From the first of `points` and `cells` to before the second; only of points for which `counts` is not 0, or of
+  /// all. Sequential: its sums must not depend on the threads.
+  Totals total(
+    std::array<vtkIdType, 2> points, std::array<vtkIdType, 2> cells, vtkUnsignedCharArray* counts = nullptr) const
   {
     const auto has = [&](vtkIdType i) { return !counts || counts->GetValue(i) != 0; };
-    double squares = 0.0;
-    double area = 0.0;
-    for (vtkIdType i = 0; i < this->Data->GetNumberOfPoints(); ++i)
+    Totals totals;
+    for (vtkIdType i = points[0]; i < points[1]; ++i)
     {
       if (has(i))
       {
-        this->maximum = std::max(this->maximum, this->Distance->GetValue(i));
-        this->maximumAngle = std::max(this->maximumAngle, this->NormalDeviation->GetValue(i));
+        totals.maximum = std::max(totals.maximum, this->Distance->GetValue(i));
+        totals.maximumAngle = std::max(totals.maximumAngle, this->NormalDeviation->GetValue(i));
       }
     }
-    vtkCellArray* cells = this->Data->GetPolys();
-    for (vtkIdType c = 0; c < cells->GetNumberOfCells(); ++c)
+    for (vtkIdType c = cells[0]; c < cells[1]; ++c)
     {
       vtkIdType size = 0;
       const vtkIdType* ids = nullptr;
-      cells->GetCellAtId(c, size, ids);
+      this->Data->GetPolys()->GetCellAtId(c, size, ids);
       if (size < 3 || !std::all_of(ids, ids + size, has))
       {
         continue;
       }
       std::array<Vec3, 3> x;
-      const vtkIdType last = ids[size - 1];
+      const vtkIdType end = ids[size - 1];
       Vec3 twice = Vec3::Zero();
       double mean = 0.0;
-      this->Data->GetPoint(last, x[0].data());
+      this->Data->GetPoint(end, x[0].data());
       for (vtkIdType v = 0; v < size; ++v)
       {
         mean += this->Distance->GetValue(ids[v]) * this->Distance->GetValue(ids[v]) / static_cast<double>(size);
@@ -247,18 +316,15 @@ struct Samples
           twice += (x[1] - x[0]).cross(x[2] - x[0]);
         }
       }
-      area += twice.norm();
-      squares += twice.norm() * mean;
+      totals.area += twice.norm();
+      totals.squares += twice.norm() * mean;
     }
-    this->rms = area > 0.0 ? std::sqrt(squares / area) : 0.0;
+    return totals;
   }
 
   vtkPolyData* Data;
   vtkNew<vtkDoubleArray> Distance;
   vtkNew<vtkDoubleArray> NormalDeviation;
-  double maximum = 0.0;
-  double rms = 0.0;
-  double maximumAngle = 0.0;
 };
 
 void setNumber(vtkDataObject* data, const char* name, double value)
@@ -269,34 +335,44 @@ void setNumber(vtkDataObject* data, const char* name, double value)
   data->GetFieldData()->AddArray(array);
 }
 
-void setTotals(vtkDataObject* data, const Samples& samples)
+void setTotals(vtkDataObject* data, const Totals& totals)
 {
-  setNumber(data, "MaximumDistance", samples.maximum);
-  setNumber(data, "RMSDistance", samples.rms);
-  setNumber(data, "MaximumNormalDeviation", samples.maximumAngle);
+  setNumber(data, "MaximumDistance", totals.maximum);
+  setNumber(data, "RMSDistance", totals.rms());
+  setNumber(data, "MaximumNormalDeviation", totals.maximumAngle);
 }
 
-/// Samples of the wall: points, quadrilaterals, `BlockId`, the deviation from the body and the feet on it.
-Samples wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolumeBlocks& input, int level,
+/// Samples of the wall on this rank: points, quadrilaterals, `BlockId`, the deviation from the body and the feet on it.
+/// @return totals of every face that is on this rank.
+std::vector<Totals> wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolumeBlocks& input, int level,
   const bsv::BodySurface& body, vtkPolyData* wall, const bsv::Execution& run)
 {
   struct Grid
   {
+    std::size_t face;
     std::array<std::vector<double>, 2> parameters;
     vtkIdType start;
+    vtkIdType firstCell;
   };
   std::vector<Grid> grids;
   vtkIdType count = 0;
   vtkNew<vtkCellArray> quads;
-  for (const WallFace& face : faces)
+  for (std::size_t f = 0; f < faces.size(); ++f)
   {
+    const WallFace& face = faces[f];
+    if (!input.isHere(face.block))
+    {
+      continue;
+    }
     Grid grid;
+    grid.face = f;
     bsv::sampleCounts(input.volumes[face.block], level, input.label(face.block));
     for (int d = 0; d < 2; ++d)
     {
       grid.parameters[d] = bsv::sampleParameters(input.volumes[face.block], face.axes[d], level);
     }
     grid.start = count;
+    grid.firstCell = quads->GetNumberOfCells();
     const vtkIdType ns = static_cast<vtkIdType>(grid.parameters[0].size());
     const vtkIdType nt = static_cast<vtkIdType>(grid.parameters[1].size());
     for (vtkIdType t = 0; t + 1 < nt; ++t)
@@ -332,19 +408,23 @@ Samples wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolume
   double* normals = addTriples("SurfaceNormal");
   double* forms = addTriples("SecondFundamentalForm");
   Samples samples(wall);
-  for (std::size_t f = 0; f < faces.size(); ++f)
+  std::vector<Totals> totals(faces.size());
+  for (const Grid& grid : grids)
   {
-    const Grid& grid = grids[f];
+    const WallFace& face = faces[grid.face];
     const Index ns = static_cast<Index>(grid.parameters[0].size());
-    run.report(static_cast<double>(f) / faces.size());
-    run.parallelFor(ns * static_cast<Index>(grid.parameters[1].size()), 64, [&](Index begin, Index end) {
+    const Index nt = static_cast<Index>(grid.parameters[1].size());
+    run.report(static_cast<double>(&grid - grids.data()) / grids.size());
+    run.parallelFor(ns * nt, 64, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
       {
-        const bsv::SurfaceGeometry at = bsv::surfaceGeometry(
-          faces[f].patch.surface, grid.parameters[0][i % ns], grid.parameters[1][i / ns]);
+        const bsv::SurfaceGeometry at =
+          bsv::surfaceGeometry(face.patch.surface, grid.parameters[0][i % ns], grid.parameters[1][i / ns]);
         points->SetPoint(grid.start + i, at.point.data());
-        blocks->SetValue(grid.start + i, faces[f].block);
-        const bsv::BodyPoint foot = samples.measure(grid.start + i, at.point, at.normal, body);
+        blocks->SetValue(grid.start + i, face.block);
+        const Deviation found = deviation(at.point, at.normal, body);
+        samples.set(grid.start + i, found.distance, found.angle);
+        const bsv::BodyPoint& foot = found.foot;
         const Index to = 3 * (grid.start + i);
         const double parameters[3] = { static_cast<double>(foot.patch), foot.u, foot.v };
         const double form[3] = { foot.geometry.L, foot.geometry.M, foot.geometry.N };
@@ -354,9 +434,10 @@ Samples wallSamples(const std::vector<WallFace>& faces, const bsv::BSplineVolume
         std::copy_n(form, 3, forms + to);
       }
     });
+    totals[grid.face] = samples.total(
+      { grid.start, grid.start + ns * nt }, { grid.firstCell, grid.firstCell + (ns - 1) * (nt - 1) });
   }
-  samples.total(nullptr);
-  return samples;
+  return totals;
 }
 
 /// The first tessellation among the leaves of the body, with points in double precision, or null.
@@ -385,45 +466,70 @@ vtkSmartPointer<vtkPolyData> tessellation(vtkDataObject* body)
   return nullptr;
 }
 
-/// Deviation of the body's tessellation from the wall, and where the wall covers it.
-Samples bodySamples(vtkPolyData* surface, const bsv::BodySurface& body, const bsv::BodySurface& wall,
+/// Deviation of the body's tessellation, which one rank has, from the wall, and where the wall covers it. Collective.
+Totals bodySamples(vtkPolyData* surface, int owner, const bsv::BodySurface& body, const bsv::BodySurface& wall,
   const WallBorder& border, const bsv::Execution& run)
 {
-  Samples samples(surface);
-  vtkNew<vtkUnsignedCharArray> covered;
-  covered->SetName("Covered");
-  covered->SetNumberOfValues(surface->GetNumberOfPoints());
-  vtkDataArray* normals = surface->GetPointData()->GetArray("Normals");
-  if (normals && (normals->GetNumberOfComponents() != 3 || normals->GetNumberOfTuples() < surface->GetNumberOfPoints()))
-  {
-    throw bsv::Error("the body's tessellation: point data array 'Normals' must have 3 components a point");
-  }
-  run.report(0.0);
-  run.parallelFor(surface->GetNumberOfPoints(), 64, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i)
+  const bsv::Ranks& ranks = *run.ranks;
+  const bool isOwner = ranks.rank() == owner;
+  using Triple = std::array<double, 3>;
+  std::vector<Triple> points, normals;
+  ranks.together([&] {
+    run.report(0.0);
+    vtkDataArray* array = isOwner ? surface->GetPointData()->GetArray("Normals") : nullptr;
+    if (array && (array->GetNumberOfComponents() != 3 || array->GetNumberOfTuples() < surface->GetNumberOfPoints()))
     {
-      Vec3 x;
-      Vec3 normal;
-      surface->GetPoints()->GetPoint(i, x.data());
-      if (normals)
+      throw bsv::Error("the body's tessellation: point data array 'Normals' must have 3 components a point");
+    }
+    for (vtkIdType i = 0; isOwner && i < surface->GetNumberOfPoints(); ++i)
+    {
+      points.emplace_back();
+      surface->GetPoints()->GetPoint(i, points.back().data());
+      if (array)
       {
-        normals->GetTuple(i, normal.data());
+        normals.emplace_back();
+        array->GetTuple(i, normals.back().data());
       }
-      else
-      {
-        normal = body.closestPoint(x).geometry.normal;
-      }
-      const bsv::BodyPoint closest = samples.measure(i, x, normal, wall);
-      const bool beyond = border.contains(closest, wall.patches()[closest.patch].surface) &&
-        angle(x - closest.geometry.point, closest.geometry.normal) > 45.0;
-      covered->SetValue(i, beyond ? 0 : 1);
     }
   });
-  samples.total(covered);
-  surface->GetPointData()->AddArray(covered);
-  return samples;
+  points = ranks.gatherAll(points);
+  normals = ranks.gatherAll(normals);
+
+  struct Answer
+  {
+    double distance, angle;
+    bool covered;
+  };
+  const auto answers = bsv::sharedOut<Answer>(static_cast<Index>(points.size()), 64, run, [&](Index i) {
+    const Vec3 x(points[i].data());
+    const Vec3 normal = normals.empty() ? body.closestPoint(x).geometry.normal : Vec3(normals[i].data());
+    const Deviation found = deviation(x, normal, wall);
+    const bool beyond = border.contains(found.foot, wall.patches()[found.foot.patch].surface) &&
+      angle(x - found.foot.geometry.point, found.foot.geometry.normal) > 45.0;
+    return Answer{ found.distance, found.angle, !beyond };
+  });
+
+  std::vector<Totals> totals(1);
+  if (isOwner)
+  {
+    Samples samples(surface);
+    vtkNew<vtkUnsignedCharArray> covered;
+    covered->SetName("Covered");
+    covered->SetNumberOfValues(surface->GetNumberOfPoints());
+    for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
+    {
+      samples.set(i, answers[i].distance, answers[i].angle);
+      covered->SetValue(i, answers[i].covered ? 1 : 0);
+    }
+    totals[0] =
+      samples.total({ 0, surface->GetNumberOfPoints() }, { 0, surface->GetPolys()->GetNumberOfCells() }, covered);
+    surface->GetPointData()->AddArray(covered);
+  }
+  ranks.share(totals, [&](Index) { return owner; });
+  return totals[0];
 }
 
+/// Null parts are on other ranks.
 void setParts(vtkPartitionedDataSetCollection* output, vtkPolyData* wall, vtkPolyData* body)
 {
   output->SetNumberOfPartitionedDataSets(2);
@@ -432,7 +538,10 @@ void setParts(vtkPartitionedDataSetCollection* output, vtkPolyData* wall, vtkPol
   unsigned int part = 0;
   for (const auto& [name, data] : { std::make_pair("Wall", wall), std::make_pair("Body", body) })
   {
-    output->SetPartition(part, 0, data);
+    if (data)
+    {
+      output->SetPartition(part, 0, data);
+    }
     output->GetMetaData(part)->Set(vtkCompositeDataSet::NAME(), name);
     assembly->AddDataSetIndex(assembly->AddNode(name), part);
     ++part;
@@ -491,30 +600,26 @@ int vtkBodyDeviation::RequestData(
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
   vtkDataObject* bodyData = vtkDataObject::GetData(inputVector[1], 0);
-  if (!output || !bodyData)
+  if (!output)
   {
-    vtkErrorMacro("Body or output is missing.");
+    vtkErrorMacro("Output is missing.");
     return 0;
   }
   this->MaximumDistance = this->RMSDistance = this->MaximumNormalDeviation = this->HausdorffDistance = 0.0;
   return bsv::execute(this, output, [&] {
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0));
+    const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.1);
+    const bsv::Ranks& ranks = *run.ranks;
+    if (!ranks.any(bodyData != nullptr))
+    {
+      throw bsv::Error("Body is missing");
+    }
+    const bsv::BSplineVolumeBlocks input =
+      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
     if (input.volumes.empty())
     {
       return;
     }
-    std::vector<WallFace> faces;
-    for (const bsv::BoundaryPatch& patch : input.boundaries)
-    {
-      if (bsv::matchesAny(this->BodyBoundaries, input.boundaryNames[patch.tag]))
-      {
-        bsv::BodyPatch face;
-        face.name = "face " + std::to_string(patch.face) + " of " + input.label(patch.block);
-        face.surface = faceSurface(input.volumes[patch.block], patch.face);
-        faces.push_back(
-          { patch.block, { bsv::faceAxis(patch.face, 0), bsv::faceAxis(patch.face, 1) }, std::move(face) });
-      }
-    }
+    const std::vector<WallFace> faces = wallFaces(input, this->BodyBoundaries, ranks);
     if (faces.empty())
     {
       throw bsv::Error("no boundary of the volume is part of the body: Body Boundaries are " +
@@ -522,37 +627,58 @@ int vtkBodyDeviation::RequestData(
         bsv::quotedList(input.boundaryNames));
     }
 
-    const bsv::BodySurface body(bsv::bodyPatches(bodyData), bsv::filterExecution(this, 0.0, 0.1));
-    std::vector<bsv::BodyPatch> patches;
+    // Every rank has both surfaces.
+    const std::vector<bsv::BodyPatch> bodyPatches = bsv::bodyPatches(bodyData, ranks);
+    std::vector<bsv::BodyPatch> wallPatches;
     for (const WallFace& face : faces)
     {
-      patches.push_back(face.patch);
+      wallPatches.push_back(face.patch);
     }
-    const bsv::BodySurface wall(std::move(patches), bsv::filterExecution(this, 0.1, 0.2));
+    std::unique_ptr<const bsv::BodySurface> body, wall;
+    ranks.together([&] {
+      body = std::make_unique<bsv::BodySurface>(bodyPatches, run);
+      wall = std::make_unique<bsv::BodySurface>(wallPatches, bsv::filterExecution(this, 0.1, 0.2));
+    });
 
     vtkNew<vtkPolyData> wallData;
-    const Samples ofWall =
-      wallSamples(faces, input, this->Level, body, wallData, bsv::filterExecution(this, 0.2, 0.7));
+    std::vector<Totals> perFace;
+    ranks.together([&] {
+      perFace = wallSamples(faces, input, this->Level, *body, wallData, bsv::filterExecution(this, 0.2, 0.7));
+    });
+    ranks.share(perFace, [&](Index f) { return input.ranks[faces[f].block]; });
+    Totals ofWall;
+    for (const Totals& face : perFace)
+    {
+      ofWall.add(face);
+    }
     setTotals(wallData, ofWall);
     this->MaximumDistance = ofWall.maximum;
-    this->RMSDistance = ofWall.rms;
+    this->RMSDistance = ofWall.rms();
     this->MaximumNormalDeviation = ofWall.maximumAngle;
     this->HausdorffDistance = ofWall.maximum;
 
+    // The tessellation may be on some ranks only, or the same on several.
     vtkSmartPointer<vtkPolyData> surface = tessellation(bodyData);
-    if (surface)
+    const std::vector<int> found = ranks.gatherAll(std::vector<int>{ surface ? 1 : 0 });
+    const auto first = std::find(found.begin(), found.end(), 1);
+    const int owner = first == found.end() ? 0 : static_cast<int>(first - found.begin());
+    if (first != found.end())
     {
-      const Samples ofBody =
-        bodySamples(surface, body, wall, WallBorder(faces), bsv::filterExecution(this, 0.7, 1.0));
-      setTotals(surface, ofBody);
+      const Totals ofBody = bodySamples(
+        surface, owner, *body, *wall, WallBorder(faces), bsv::filterExecution(this, 0.7, 1.0));
       this->HausdorffDistance = std::max(ofWall.maximum, ofBody.maximum);
+      if (ranks.rank() == owner)
+      {
+        setTotals(surface, ofBody);
+      }
     }
     else
     {
       surface = vtkSmartPointer<vtkPolyData>::New();
     }
 
-    setParts(output, wallData, surface);
+    setParts(output, wallData->GetNumberOfPoints() > 0 ? wallData.Get() : nullptr,
+      ranks.rank() == owner ? surface.Get() : nullptr);
     setTotals(output, ofWall);
     setNumber(output, "HausdorffDistance", this->HausdorffDistance);
   });

@@ -9,6 +9,7 @@
 #include "FilterExecution.h"
 #include "HexBlockData.h"
 #include "NURBSSurfaceData.h"
+#include "Ranks.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
@@ -266,6 +267,27 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
   return text.str();
 }
 
+/// What each of several ranks had to do.
+std::string rankText(const bsv::BlockComplex& complex, const std::vector<bsv::Index>& received)
+{
+  std::ostringstream text;
+  for (std::size_t r = 0; received.size() > 1 && r < received.size(); ++r)
+  {
+    bsv::Index blocks = 0, points = 0;
+    for (const bsv::ComplexBlock& block : complex.blocks)
+    {
+      if (block.rank == static_cast<int>(r))
+      {
+        ++blocks;
+        points += block.points.size();
+      }
+    }
+    text << "rank " << r << ": " << blocks << " blocks, " << points << " mesh points, received " << received[r]
+         << " bytes from other ranks\n";
+  }
+  return text.str();
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -285,6 +307,7 @@ void vtkCatmullClarkToBSplineVolume::ResetReport()
   this->NumberOfInputBlocks = this->NumberOfBlocks = 0;
   this->NumberOfExtraordinaryEdges = this->NumberOfSingularNodes = 0;
   this->NumberOfControlPoints = 0;
+  this->ReceivedBytes = 0;
   this->ControlPointsPerRule->SetNumberOfValues(static_cast<vtkIdType>(bsv::ControlPointRule::Count));
   this->ControlPointsPerRule->Fill(0);
   this->Report.clear();
@@ -423,9 +446,18 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
   this->ResetReport();
 
   return bsv::execute(this, output, [&] {
+    // Parts of the progress, and one count of what the ranks receive.
+    const bsv::Execution whole = bsv::filterExecution(this);
+    const bsv::Ranks& ranks = *whole.ranks;
+    const auto execution = [&](double first, double last) {
+      bsv::Execution run = bsv::filterExecution(this, first, last);
+      run.ranks = whole.ranks;
+      return run;
+    };
+
     // The mesh.
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
-    bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids);
+    bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, ranks);
     if (mesh.blocks.empty())
     {
       return;
@@ -435,19 +467,25 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     bsv::ConversionOptions options;
     std::vector<vtkSmartPointer<vtkDoubleArray>> surfaceData;
     const auto surfaceArray = [&](std::size_t b, const char* name, int components) -> const double* {
+      if (!meshGrids[b])
+      {
+        return nullptr;
+      }
       surfaceData.push_back(bsv::doublePointArray(meshGrids[b], name, components, mesh.blocks[b].name));
       return surfaceData.back() ? surfaceData.back()->GetPointer(0) : nullptr;
     };
-    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
-    {
-      options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint", 3));
-      options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal", 3));
-      options.wallSpacingPoints.push_back(
-        this->WallSpacingArray.empty() ? nullptr : surfaceArray(b, this->WallSpacingArray.c_str(), 1));
-      if (!this->ExtensionBlocks.empty())
+    ranks.together([&] {
+      for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
       {
-        options.extensionBlocks.push_back(bsv::matchesAny(this->ExtensionBlocks, mesh.blocks[b].name));
+        options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint", 3));
+        options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal", 3));
+        options.wallSpacingPoints.push_back(
+          this->WallSpacingArray.empty() ? nullptr : surfaceArray(b, this->WallSpacingArray.c_str(), 1));
       }
+    });
+    for (std::size_t b = 0; b < mesh.blocks.size() && !this->ExtensionBlocks.empty(); ++b)
+    {
+      options.extensionBlocks.push_back(bsv::matchesAny(this->ExtensionBlocks, mesh.blocks[b].name));
     }
     if (!this->ExtensionBlocks.empty() &&
       std::find(options.extensionBlocks.begin(), options.extensionBlocks.end(), true) == options.extensionBlocks.end())
@@ -461,8 +499,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     complexOptions.matchTolerance = this->MatchTolerance;
     complexOptions.allowDegenerate = this->AllowDegenerate;
     complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
-    bsv::BlockComplex complex =
-      bsv::buildBlockComplex(mesh, complexOptions, bsv::filterExecution(this, 0.0, 0.3));
+    bsv::BlockComplex complex = bsv::buildBlockComplex(mesh, complexOptions, execution(0.0, 0.3));
 
     // The conversion.
     for (const std::string& name : complex.boundaryNames)
@@ -490,9 +527,15 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
 
     // The body.
     std::unique_ptr<const bsv::BodySurface> body;
-    if (vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0))
+    vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
+    if (ranks.any(given != nullptr))
     {
-      body = std::make_unique<bsv::BodySurface>(bsv::bodyPatches(given), bsv::filterExecution(this, 0.3, 0.4));
+      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, ranks);
+      ranks.together([&] {
+        bsv::Execution alone = execution(0.3, 0.4);
+        alone.ranks = bsv::aloneRank();
+        body = std::make_unique<bsv::BodySurface>(patches, alone);
+      });
       options.body = body.get();
     }
     bsv::BodyFitOptions fit;
@@ -500,19 +543,25 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     fit.tolerance = this->FitTolerance;
     fit.iterations = this->FitIterations;
     fit.range = this->PropagationRange;
-    const WallPoints wallPoints = takeWallPoints(
-      complex, options, this->InputPoints, this->BodyBoundaries, fit, bsv::filterExecution(this, 0.4, 0.5));
+    const WallPoints wallPoints =
+      takeWallPoints(complex, options, this->InputPoints, this->BodyBoundaries, fit, execution(0.4, 0.5));
 
-    std::vector<vtkSmartPointer<vtkStructuredGrid>> nets;
+    // Control nets of blocks on other ranks stay null.
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> nets(complex.blocks.size());
     std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
     std::vector<std::string> names;
-    for (std::size_t b = 0; b < complex.blocks.size(); ++b)
-    {
-      nets.push_back(controlNet(complex.blocks[b], storage[b]));
-      names.push_back(complex.blocks[b].name);
-    }
+    ranks.together([&] {
+      for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+      {
+        if (complex.blocks[b].rank == ranks.rank())
+        {
+          nets[b] = controlNet(complex.blocks[b], storage[b]);
+        }
+        names.push_back(complex.blocks[b].name);
+      }
+    });
     const bsv::ConversionReport counts =
-      bsv::convertToBSplineVolume(complex, options, storage, bsv::filterExecution(this, 0.5, 1.0));
+      bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0));
 
     // The output.
     bsv::setBlocks(output, nets, names, "BSplineVolume");
@@ -535,12 +584,10 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       this->ControlPointsPerRule->SetValue(static_cast<vtkIdType>(rule), counts.controlPoints[rule]);
       this->NumberOfControlPoints += counts.controlPoints[rule];
     }
-    this->Report = reportText(complex, classes, options, wallPoints, counts);
-
-    for (const std::string& warning : complex.warnings)
-    {
-      vtkWarningMacro(<< warning);
-    }
+    const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
+    this->ReceivedBytes = received[ranks.rank()];
+    this->Report = reportText(complex, classes, options, wallPoints, counts) + rankText(complex, received);
+    bsv::warn(this, complex.warnings);
   });
 }
 
@@ -586,5 +633,6 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FitIterations: " << this->FitIterations << '\n';
   os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
   os << indent << "AllowDegenerate: " << (this->AllowDegenerate ? "On" : "Off") << '\n';
+  os << indent << "ReceivedBytes: " << this->ReceivedBytes << '\n';
   os << indent << "Report: " << this->Report << '\n';
 }

@@ -32,6 +32,9 @@
  * Field data of the collection: `ControlPointRuleNames` (string), and `Interfaces`, `Boundaries`, `BoundaryNames` of
  * the blocks of the output.
  *
+ * On several ranks each gives the blocks whose points it was given, and pieces of them; both inputs may be distributed
+ * in any way (HexBlockData.h). The result is the same bits as on one rank, the counts are those of all.
+ *
  * An empty input gives an empty output. What cannot be converted is an error that names block and value; the output is
  * then empty. A body whose wall is not in the mesh, or that is far from it, is such an error.
  *
@@ -303,7 +306,7 @@ public:
 
   ///@{
   /**
-   * What the last execution did.
+   * What the last execution did, on all ranks together.
    */
   vtkGetMacro(NumberOfInputBlocks, int);
   vtkGetMacro(NumberOfBlocks, int);
@@ -313,13 +316,18 @@ public:
   ///@}
 
   /**
+   * Bytes that this rank received from others in the last execution.
+   */
+  vtkGetMacro(ReceivedBytes, vtkTypeInt64);
+
+  /**
    * Control points per code of `ControlPointRule`; a shared one counts in every block that holds it.
    */
   vtkDataArray* GetControlPointsPerRule();
 
   /**
    * All of it as a text: totals, how the wall's points were taken, extraordinary curves per valence, boundaries with
-   * their roles, one line per block.
+   * their roles, one line per block and, if there are several, per rank.
    */
   const char* GetReport() const { return this->Report.c_str(); }
 
@@ -362,6 +370,7 @@ private:
   int NumberOfExtraordinaryEdges = 0;
   int NumberOfSingularNodes = 0;
   vtkIdType NumberOfControlPoints = 0;
+  vtkTypeInt64 ReceivedBytes = 0;
   vtkSmartPointer<vtkIdTypeArray> ControlPointsPerRule;
   std::string Report;
 };

@@ -5,6 +5,7 @@
 #include "EntityClass.h"
 #include "FilterExecution.h"
 #include "HexBlockData.h"
+#include "Ranks.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -45,7 +46,8 @@ struct EntityData
   int tag = -1;
 };
 
-/// Cells per entity, the points of which are not shared with other entities.
+/// Cells per entity, the points of which are not shared with other entities. All entities of the complex have a number,
+/// but only those of one rank have cells: those whose first use is by one of its blocks.
 class PartBuilder
 {
 public:
@@ -180,7 +182,7 @@ bsv::Ijk cornerPoint(const bsv::ComplexBlock& block, int corner)
 }
 
 vtkSmartPointer<vtkPolyData> vertexPart(
-  const bsv::BlockComplex& complex, const bsv::EntityClasses& classes, const BoundaryTags& tags)
+  const bsv::BlockComplex& complex, const bsv::EntityClasses& classes, const BoundaryTags& tags, int rank)
 {
   PartBuilder part(static_cast<int>(complex.vertices.size()));
   for (std::size_t v = 0; v < complex.vertices.size(); ++v)
@@ -193,13 +195,17 @@ vtkSmartPointer<vtkPolyData> vertexPart(
     }
     part.add(std::move(data));
     const bsv::ComplexBlock& block = complex.blocks[corners.front().block];
+    if (block.rank != rank)
+    {
+      continue;
+    }
     part.addCell({ part.addPoint(block.points(cornerPoint(block, corners.front().corner))) });
   }
   return part.build(&vtkPolyData::SetVerts, mostBlocks(complex));
 }
 
 vtkSmartPointer<vtkPolyData> edgePart(
-  const bsv::BlockComplex& complex, const bsv::EntityClasses& classes, const BoundaryTags& tags)
+  const bsv::BlockComplex& complex, const bsv::EntityClasses& classes, const BoundaryTags& tags, int rank)
 {
   PartBuilder part(static_cast<int>(complex.edges.size()));
   for (std::size_t e = 0; e < complex.edges.size(); ++e)
@@ -214,6 +220,10 @@ vtkSmartPointer<vtkPolyData> edgePart(
 
     const bsv::EdgeUse& use = edge.uses.front();
     const bsv::ComplexBlock& block = complex.blocks[use.block];
+    if (block.rank != rank)
+    {
+      continue;
+    }
     bsv::Ijk ijk = cornerPoint(block, bsv::edgeCorner(use.edge, 0));
     std::vector<vtkIdType> line;
     for (int n = 0; n <= edge.cells; ++n)
@@ -226,7 +236,7 @@ vtkSmartPointer<vtkPolyData> edgePart(
   return part.build(&vtkPolyData::SetLines, mostBlocks(complex));
 }
 
-vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes)
+vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes, int rank)
 {
   PartBuilder part(static_cast<int>(complex.faces.size()));
   for (std::size_t f = 0; f < complex.faces.size(); ++f)
@@ -241,6 +251,10 @@ vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bs
 
     const int side = face.uses.front().face;
     const bsv::ComplexBlock& block = complex.blocks[face.uses.front().block];
+    if (block.rank != rank)
+    {
+      continue;
+    }
     const bsv::Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
     const int ns = cells[bsv::faceAxis(side, 0)];
     const int nt = cells[bsv::faceAxis(side, 1)];
@@ -309,21 +323,22 @@ int vtkHexBlockTopology::RequestData(
 
   return bsv::execute(this, output, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-    const bsv::BlockMesh mesh = bsv::blockMesh(input, grids);
+    const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.8);
+    const int rank = run.ranks->rank();
+    const bsv::BlockMesh mesh = bsv::blockMesh(input, grids, *run.ranks);
     bsv::BlockComplexOptions options;
     options.matchTolerance = this->MatchTolerance;
     options.allowDegenerate = this->AllowDegenerate;
     options.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
-    const bsv::BlockComplex complex = mesh.blocks.empty()
-      ? bsv::BlockComplex{}
-      : bsv::buildBlockComplex(mesh, options, bsv::filterExecution(this, 0.0, 0.8));
+    const bsv::BlockComplex complex =
+      mesh.blocks.empty() ? bsv::BlockComplex{} : bsv::buildBlockComplex(mesh, options, run);
     const bsv::EntityClasses classes = bsv::classifyEntities(complex);
 
     const BoundaryTags tags(complex);
     const std::array<std::pair<const char*, vtkSmartPointer<vtkPolyData>>, 3> parts{ {
-      { "Vertices", vertexPart(complex, classes, tags) },
-      { "Edges", edgePart(complex, classes, tags) },
-      { "Faces", facePart(complex, classes) },
+      { "Vertices", vertexPart(complex, classes, tags, rank) },
+      { "Edges", edgePart(complex, classes, tags, rank) },
+      { "Faces", facePart(complex, classes, rank) },
     } };
     vtkNew<vtkDataAssembly> assembly;
     assembly->SetRootNodeName("HexBlockTopology");
@@ -373,10 +388,7 @@ int vtkHexBlockTopology::RequestData(
     this->NumberOfExtraordinaryEdges = static_cast<int>(classes.extraordinaryEdges);
     this->NumberOfSingularNodes = static_cast<int>(classes.singularNodes);
     this->Report = report.str();
-    for (const std::string& warning : complex.warnings)
-    {
-      vtkWarningMacro(<< warning);
-    }
+    bsv::warn(this, complex.warnings);
     this->UpdateProgress(1.0);
   });
 }

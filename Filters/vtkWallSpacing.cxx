@@ -4,6 +4,7 @@
 #include "BlockComplex.h"
 #include "FilterExecution.h"
 #include "HexBlockData.h"
+#include "Ranks.h"
 #include "WallSpacing.h"
 
 #include "vtkCellArray.h"
@@ -24,6 +25,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -154,14 +157,23 @@ void addToBlocks(std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const b
   }
 }
 
-void range(const std::vector<double>& values, double* result)
+/// Smallest and largest value of all ranks.
+void range(const std::vector<double>& values, double* result, const bsv::Ranks& ranks)
 {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  std::vector<double> mine;
+  if (!values.empty())
+  {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    mine = { *low, *high };
+  }
+  const std::vector<double> all = ranks.gatherAll(mine);
+  const auto [low, high] = std::minmax_element(all.begin(), all.end());
   result[0] = *low;
   result[1] = *high;
 }
 
-std::string reportText(const bsv::FlowConditions& flow, const bsv::WallSpacingResult& wall)
+std::string reportText(
+  const bsv::FlowConditions& flow, const bsv::WallSpacingResult& wall, const bsv::Ranks& ranks)
 {
   const bsv::ReferenceState state = bsv::referenceState(flow);
   std::ostringstream text;
@@ -170,19 +182,22 @@ std::string reportText(const bsv::FlowConditions& flow, const bsv::WallSpacingRe
        << " Pa s, heat conductivity " << state.conductivity << " W/(m K)\n"
        << "dimensionless: 1/Re " << state.viscousCoefficient << ", 1/((gamma-1) M^2 Re Pr) " << state.heatCoefficient
        << ", 1/(gamma M^2) " << state.pressureCoefficient << '\n';
-  int outside = 0;
-  for (const bsv::PlateLayer& layer : wall.layers)
+  bsv::Index outside = 0;
+  for (std::size_t v = 0; v < wall.layers.size(); ++v)
   {
+    const bsv::PlateLayer& layer = wall.layers[v];
     const bool inRange = layer.turbulent ? layer.reynolds > 5e5 && layer.reynolds < 1e7
                                          : layer.reynolds > 1e3 && layer.reynolds < 5e5;
-    outside += inRange ? 0 : 1;
+    outside += inRange ? 0 : wall.counted[v];
   }
+  const std::vector<bsv::Index> outsides = ranks.gatherAll(std::vector<bsv::Index>{ outside });
+  outside = std::accumulate(outsides.begin(), outsides.end(), bsv::Index(0));
   const auto line = [&](const char* name, const std::vector<double>& values) {
     double bounds[2];
-    range(values, bounds);
+    range(values, bounds, ranks);
     text << name << ": " << bounds[0] << " to " << bounds[1] << '\n';
   };
-  text << wall.points.size() << " wall points, " << wall.reached << " of them with the target within 1 %\n";
+  text << wall.wallPoints << " wall points, " << wall.reached << " of them with the target within 1 %\n";
   for (const auto& [name, values] : wallArrays(wall))
   {
     line(name, values);
@@ -271,9 +286,22 @@ int vtkWallSpacing::RequestData(
   std::fill_n(this->WallSpacingRange, 2, 0.0);
   this->Report.clear();
 
-  return bsv::execute(this, output, [&] {
+  struct Outputs
+  {
+    vtkPartitionedDataSetCollection* mesh;
+    vtkPolyData* surface;
+
+    void Initialize()
+    {
+      this->mesh->Initialize();
+      this->surface->Initialize();
+    }
+  } outputs{ output, surface };
+  return bsv::execute(this, &outputs, [&] {
+    const std::shared_ptr<const bsv::Ranks> shared = bsv::globalRanks();
+    const bsv::Ranks& ranks = *shared;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
-    const bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids);
+    const bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, ranks);
     if (mesh.blocks.empty())
     {
       return;
@@ -317,8 +345,11 @@ int vtkWallSpacing::RequestData(
     std::vector<std::string> names;
     for (std::size_t b = 0; b < meshGrids.size(); ++b)
     {
-      grids.push_back(vtkSmartPointer<vtkStructuredGrid>::New());
-      grids.back()->ShallowCopy(meshGrids[b]);
+      grids.push_back(meshGrids[b] ? vtkSmartPointer<vtkStructuredGrid>::New() : nullptr);
+      if (meshGrids[b])
+      {
+        grids.back()->ShallowCopy(meshGrids[b]);
+      }
       names.push_back(mesh.blocks[b].name);
     }
     addToBlocks(grids, complex, wall);
@@ -330,14 +361,14 @@ int vtkWallSpacing::RequestData(
     addReferenceState(output->GetFieldData(), state);
     addReferenceState(surface->GetFieldData(), state);
 
-    this->NumberOfWallPoints = static_cast<vtkIdType>(wall.points.size());
+    this->NumberOfWallPoints = static_cast<vtkIdType>(wall.wallPoints);
     this->NumberOfPointsOnTarget = static_cast<vtkIdType>(wall.reached);
-    range(wall.yPlus, this->YPlusRange);
-    range(wall.spacing, this->WallSpacingRange);
-    this->Report = reportText(options.flow, wall);
+    range(wall.yPlus, this->YPlusRange, ranks);
+    range(wall.spacing, this->WallSpacingRange, ranks);
+    this->Report = reportText(options.flow, wall, ranks);
     if (!wall.warning.empty())
     {
-      vtkWarningMacro(<< wall.warning);
+      bsv::warn(this, { wall.warning });
     }
   });
 }

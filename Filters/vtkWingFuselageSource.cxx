@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkWingFuselageSource.h"
 
-#include "FilterExecution.h"
 #include "HexBlockData.h"
 #include "MeshCheck.h"
 #include "NURBSSurfaceData.h"
+#include "PieceRequest.h"
 #include "WingFuselageMesh.h"
 
+#include "vtkExecutive.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -75,6 +76,32 @@ void vtkWingFuselageSource::PrintSelf(ostream& os, vtkIndent indent)
 }
 
 //------------------------------------------------------------------------------
+int vtkWingFuselageSource::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  for (int port = 0; port < this->GetNumberOfOutputPorts(); ++port)
+  {
+    outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkWingFuselageSource::RequestUpdateExtent(
+  vtkInformation* request, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  // Both outputs are made at once: who asks for a piece of one shall not get all of the other.
+  vtkInformation* asked = outputVector->GetInformationObject(request->Get(vtkExecutive::FROM_OUTPUT_PORT()));
+  for (int port = 0; asked && port < this->GetNumberOfOutputPorts(); ++port)
+  {
+    vtkInformation* output = outputVector->GetInformationObject(port);
+    output->CopyEntry(asked, vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER());
+    output->CopyEntry(asked, vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES());
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   auto* mesh = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
@@ -88,7 +115,10 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
   body->Initialize();
   this->NumberOfMeshPoints = 0;
   this->MinimumScaledJacobian = 0.0;
-  return bsv::execute(this, mesh, [&] {
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution firstHalf = bsv::pieceExecution(this, piece, 0.0, 0.5);
+  const bsv::Execution run = bsv::pieceExecution(this, piece, 0.5, 1.0);
+  return bsv::execute(this, mesh, *run.ranks, [&] {
     bsv::WingFuselageOptions options;
     options.shape.span = this->Span;
     options.shape.sweepAngle = this->SweepAngle;
@@ -98,34 +128,53 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     options.growthRatio = this->GrowthRatio;
     const bsv::WingFuselageLayout layout = bsv::wingFuselageLayout(options);
 
-    vtksys::SystemInformation machine;
-    const double gigabytes = static_cast<double>(layout.points()) * 3 * sizeof(double) / 1e9;
-    const double present = static_cast<double>(machine.GetHostMemoryTotal()) * 1024 / 1e9;
-    if (gigabytes > present)
-    {
-      std::ostringstream text;
-      text << "Resolution " << this->Resolution << " needs " << gigabytes << " GB for the points; this machine has "
-           << present << " GB";
-      throw bsv::Error(text.str());
-    }
-
-    const std::vector<bsv::BodyPatch> patches = bsv::wingFuselageBody(options.shape);
-    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-    std::vector<double*> addresses;
-    for (const bsv::Ijk& counts : layout.counts)
-    {
-      addresses.push_back(nullptr);
-      grids.push_back(bsv::blockGrid(counts, addresses.back()));
-    }
-    bsv::wingFuselagePoints(options, patches, addresses, bsv::filterExecution(this, 0.0, 0.5));
-
-    const bsv::Execution run = bsv::filterExecution(this, 0.5, 1.0);
+    const std::vector<int> owners = piece.owners(layout.counts);
+    std::vector<bsv::BodyPatch> patches;
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids(layout.counts.size());
+    std::vector<double*> addresses(layout.counts.size(), nullptr);
     double minimum = 1.0;
-    for (std::size_t b = 0; b < addresses.size(); ++b)
-    {
-      run.report(static_cast<double>(b) / static_cast<double>(addresses.size()));
-      minimum = std::min(minimum, bsv::minimumScaledJacobian(bsv::GridView(addresses[b], layout.counts[b]), run));
-    }
+    run.ranks->together([&] {
+      bsv::Index points = 0;
+      for (std::size_t b = 0; b < owners.size(); ++b)
+      {
+        const bsv::Ijk& counts = layout.counts[b];
+        points += owners[b] == piece.number ? bsv::Index(counts[0]) * counts[1] * counts[2] : 0;
+      }
+      vtksys::SystemInformation machine;
+      const double gigabytes = static_cast<double>(points) * 3 * sizeof(double) / 1e9;
+      const double present = static_cast<double>(machine.GetHostMemoryTotal()) * 1024 / 1e9;
+      if (gigabytes > present)
+      {
+        std::ostringstream text;
+        text << "Resolution " << this->Resolution << " needs " << gigabytes << " GB for the points; this machine has "
+             << present << " GB";
+        throw bsv::Error(text.str());
+      }
+
+      patches = bsv::wingFuselageBody(options.shape);
+      for (std::size_t b = 0; b < owners.size(); ++b)
+      {
+        if (owners[b] == piece.number)
+        {
+          grids[b] = bsv::blockGrid(layout.counts[b], addresses[b]);
+        }
+      }
+      bsv::wingFuselagePoints(options, patches, addresses, firstHalf);
+
+      bsv::Execution alone = run;
+      alone.ranks = bsv::aloneRank();
+      for (std::size_t b = 0; b < addresses.size(); ++b)
+      {
+        run.report(static_cast<double>(b) / static_cast<double>(addresses.size()));
+        if (addresses[b])
+        {
+          const bsv::GridView view(addresses[b], layout.counts[b]);
+          minimum = std::min(minimum, bsv::minimumScaledJacobian(view, alone));
+        }
+      }
+    });
+    const std::vector<double> minima = run.ranks->gatherAll(std::vector<double>{ minimum });
+    minimum = *std::min_element(minima.begin(), minima.end());
     if (!(minimum > 0.0))
     {
       std::ostringstream text;

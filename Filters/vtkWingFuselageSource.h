@@ -18,6 +18,11 @@
  * All scaled Jacobians are positive in the ranges below, but for Resolution 2, which is too low for long and highly
  * swept wings: an error. With n = Resolution the wall has 26 n^2 cells; time and memory are proportional to the points.
  *
+ * The blocks are shared out over the pieces that the pipeline asks for, which are the ranks of ParaView, by their
+ * numbers of points (distributeBlocks() in Ranks.h). Every piece has all partitioned data sets, names and field data,
+ * and the points of its own blocks; elsewhere a data set has no partition. The surface of the body is computed for
+ * every piece, and every piece has the whole body.
+ *
  * Properties that do not go together, or more points than the machine can hold, are an error; the outputs are then
  * empty.
  */
@@ -87,7 +92,7 @@ public:
   ///@{
   /**
    * Of the last mesh that was made: points of all blocks, and the smallest scaled Jacobian over all corners of all
-   * cells.
+   * cells (of a piece that one process asked for alone: of its own blocks).
    */
   vtkGetMacro(NumberOfMeshPoints, vtkIdType);
   vtkGetMacro(MinimumScaledJacobian, double);
@@ -97,6 +102,8 @@ protected:
   vtkWingFuselageSource();
   ~vtkWingFuselageSource() override = default;
 
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

@@ -50,9 +50,10 @@ public:
 class CGNSReader
 {
 public:
-  CGNSReader(const std::string& fileName, const Execution& run)
+  CGNSReader(const std::string& fileName, const Execution& run, const Piece& piece)
     : FileName(fileName)
     , Run(run)
+    , Part(piece)
   {
     checkCGNSTree(fileName);
     this->check(cg_open(fileName.c_str(), CG_MODE_READ, &this->File), "");
@@ -68,7 +69,8 @@ public:
   CGNSReader(const CGNSReader&) = delete;
   CGNSReader& operator=(const CGNSReader&) = delete;
 
-  CGNSZones read()
+  /// @param[out] contacts those of the zones with their places; the points are not checked yet.
+  CGNSZones read(std::vector<DeclaredContact>& contacts)
   {
     int bases = 0;
     this->check(cg_nbases(this->File, &bases), "");
@@ -76,10 +78,13 @@ public:
     {
       this->readBase();
     }
+    this->Where.clear();
     if (this->Zones.blocks.empty())
     {
       this->fail("the file has no zones");
     }
+    this->readCoordinates();
+    contacts = std::move(this->Contacts);
     return std::move(this->Zones);
   }
 
@@ -114,10 +119,6 @@ private:
         "; hexahedra need 3 and 3");
     }
     const std::string base = this->Where;
-    const auto enterZone = [&](int zone) {
-      this->Zone = zone + 1;
-      this->Where = base + ", zone '" + this->Mesh.blocks[this->FirstBlock + zone].name + "'";
-    };
 
     this->FirstBlock = static_cast<int>(this->Zones.blocks.size());
     for (int zone = 0; zone < zones; ++zone)
@@ -125,16 +126,14 @@ private:
       this->Zone = zone + 1;
       this->Where = base + ", zone " + std::to_string(this->Zone);
       this->readZone(base);
-      this->Run.report(double(zone + 1) / double(zones));
     }
     for (int zone = 0; zone < zones; ++zone)
     {
-      enterZone(zone);
+      this->Zone = zone + 1;
+      this->Where = this->Places[this->FirstBlock + zone].where;
       this->readInterfaces();
-      enterZone(zone);
       this->readBoundaries();
     }
-    this->Where.clear();
   }
 
   void readZone(const std::string& base)
@@ -161,10 +160,34 @@ private:
       }
       block.counts[d] = static_cast<int>(size[d]);
     }
-    this->readCoordinates(block);
-    checkFinite(this->FileName, block);
     this->Zones.blocks.push_back(std::move(block));
     this->Mesh.blocks.push_back(meshBlock(this->Zones.blocks.back()));
+    this->Places.push_back({ this->Base, this->Zone, this->Where });
+  }
+
+  /// Of the blocks that belong to the piece.
+  void readCoordinates()
+  {
+    std::vector<Ijk> counts;
+    for (const GridBlock& block : this->Zones.blocks)
+    {
+      counts.push_back(block.counts);
+    }
+    const std::vector<int> owners = this->Part.owners(counts);
+    for (std::size_t b = 0; b < owners.size(); ++b)
+    {
+      GridBlock& block = this->Zones.blocks[b];
+      block.piece = owners[b];
+      if (block.piece == this->Part.number)
+      {
+        this->Base = this->Places[b].base;
+        this->Zone = this->Places[b].zone;
+        this->Where = this->Places[b].where;
+        this->readCoordinates(block);
+        checkFinite(this->FileName, block);
+      }
+      this->Run.report(double(b + 1) / double(owners.size()));
+    }
   }
 
   /// Checks the sizes of the coordinate arrays before anything is allocated. True if all are float.
@@ -222,17 +245,25 @@ private:
   template <typename Real>
   void readCoordinates(const GridBlock& block, Real* points, CGNS_ENUMT(DataType_t) type)
   {
-    const std::array<cgsize_t, 3> first{ 1, 1, 1 };
-    const std::array<cgsize_t, 3> last{ block.counts[0], block.counts[1], block.counts[2] };
-    std::vector<Real> values(static_cast<std::size_t>(block.size()));
+    // Some layers at a time, so that no copy of a large block is needed.
+    const Index layer = Index(block.counts[0]) * block.counts[1];
+    const int layers = static_cast<int>(std::clamp<Index>((Index(1) << 20) / layer, 1, block.counts[2]));
+    std::vector<Real> values(static_cast<std::size_t>(layer * layers));
     for (int axis = 0; axis < 3; ++axis)
     {
-      this->check(cg_coord_read(this->File, this->Base, this->Zone, Axes[axis], type, first.data(), last.data(),
-                    values.data()),
-        Axes[axis]);
-      for (Index p = 0; p < block.size(); ++p)
+      for (int k = 0; k < block.counts[2]; k += layers)
       {
-        points[3 * p + axis] = values[p];
+        const int end = std::min(k + layers, block.counts[2]);
+        const std::array<cgsize_t, 3> first{ 1, 1, k + 1 };
+        const std::array<cgsize_t, 3> last{ block.counts[0], block.counts[1], end };
+        this->check(cg_coord_read(this->File, this->Base, this->Zone, Axes[axis], type, first.data(), last.data(),
+                      values.data()),
+          Axes[axis]);
+        Real* to = points + 3 * layer * k + axis;
+        for (Index p = 0; p < layer * (end - k); ++p)
+        {
+          to[3 * p] = values[p];
+        }
       }
     }
   }
@@ -369,7 +400,6 @@ private:
       checkRange(this->Mesh, own);
       checkRange(this->Mesh, other);
       contact = orderedContact(faceContact(own, other, swapped));
-      checkContact(this->Mesh, contact);
     }
     catch (const Error& error)
     {
@@ -380,6 +410,7 @@ private:
     if (std::find(known.begin(), known.end(), contact) == known.end())
     {
       this->Zones.interfaces.push_back(contact);
+      this->Contacts.push_back({ contact, this->FileName + this->Where });
     }
   }
 
@@ -569,6 +600,7 @@ private:
   QuietErrors Quiet;
   std::string FileName;
   const Execution& Run;
+  const Piece Part;
   int File = 0;
   bool IsOpen = false;
   int Base = 0;
@@ -578,7 +610,15 @@ private:
   /// What is being read, for error messages.
   std::string Where;
   CGNSZones Zones;
-  /// Views of the zones' points, to check contacts with.
+  /// Where each block comes from.
+  struct Place
+  {
+    int base, zone;
+    std::string where;
+  };
+  std::vector<Place> Places;
+  std::vector<DeclaredContact> Contacts;
+  /// Names and sizes of the zones.
   BlockMesh Mesh;
 };
 
@@ -593,9 +633,18 @@ bool looksLikeCGNS(const std::string& fileName)
   return text.find("ADF Database Version") == 4 || text.find("\x89HDF\r\n\x1a\n") == 0;
 }
 
-CGNSZones readCGNS(const std::string& fileName, const Execution& run)
+CGNSZones readCGNS(const std::string& fileName, const Execution& run, const Piece& piece)
 {
-  return CGNSReader(fileName, run).read();
+  CGNSZones zones;
+  std::vector<DeclaredContact> contacts;
+  run.ranks->together([&] { zones = CGNSReader(fileName, run, piece).read(contacts); });
+  BlockMesh mesh;
+  for (const GridBlock& block : zones.blocks)
+  {
+    mesh.blocks.push_back(meshBlock(block));
+  }
+  checkContacts(mesh, contacts, *run.ranks);
+  return zones;
 }
 
 } // namespace bsv

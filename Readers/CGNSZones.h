@@ -4,6 +4,7 @@
 #pragma once
 
 #include "GridBlock.h"
+#include "Piece.h"
 #include "Types.h"
 
 #include <string>
@@ -28,10 +29,11 @@ struct CGNSZones
 /// Whether the file starts like a CGNS file (ADF or HDF5). Never throws.
 bool looksLikeCGNS(const std::string& fileName);
 
-/// Reads all zones of all bases. General (not 1-to-1) connectivity says nothing and is skipped: coincident points tell.
-/// Not to be called from several threads: the CGNS library keeps its state in globals.
+/// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity says nothing and
+/// is skipped: coincident points tell. Not to be called from several threads: the CGNS library keeps its state in
+/// globals. Collective.
 /// @throws Error naming file, zone and value: surface or unstructured zones, no or wrong coordinates, contacts whose
-/// transforms or ranges do not fit or whose points do not coincide (see checkContact), damaged files; Aborted.
-CGNSZones readCGNS(const std::string& fileName, const Execution& run = {});
+/// transforms or ranges do not fit or whose points do not coincide (see checkContacts), damaged files; Aborted.
+CGNSZones readCGNS(const std::string& fileName, const Execution& run = {}, const Piece& piece = {});
 
 } // namespace bsv

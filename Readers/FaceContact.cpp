@@ -2,6 +2,7 @@
 #include "FaceContact.h"
 
 #include "BlockComplex.h"
+#include "PointExchange.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +54,20 @@ std::string describe(const MeshBlock& block, int face, const Ijk& at, const Vec3
        << ", point (" << at[0] << ", " << at[1] << ", " << at[2] << ") at (" << x[0] << ", " << x[1] << ", " << x[2]
        << ")";
   return text.str();
+}
+
+/// The points that checkContact() reads of a side.
+PointBox neighbourhood(const MeshBlock& block, int index, int face, const FaceRange& range)
+{
+  const Ijk last = lastPoint(block);
+  PointBox box;
+  box.block = index;
+  box.lo = facePoint(last, face, std::max(0, range.lo[0] - 1), std::max(0, range.lo[1] - 1));
+  box.hi = facePoint(last, face, std::min(last[faceAxis(face, 0)], range.hi[0] + 1),
+    std::min(last[faceAxis(face, 1)], range.hi[1] + 1));
+  const int normal = faceDirection(face);
+  (faceSide(face) ? box.lo[normal] : box.hi[normal]) += faceSide(face) ? -1 : 1;
+  return box;
 }
 
 auto key(const Interface& c)
@@ -120,6 +135,9 @@ bool operator==(const Interface& a, const Interface& b)
   return key(a) == key(b);
 }
 
+namespace
+{
+
 void checkContact(const BlockMesh& mesh, const Interface& contact)
 {
   const MeshBlock& blockA = mesh.blocks[contact.blockA];
@@ -153,6 +171,45 @@ void checkContact(const BlockMesh& mesh, const Interface& contact)
       }
     }
   }
+}
+
+} // namespace
+
+void checkContacts(BlockMesh mesh, const std::vector<DeclaredContact>& contacts, const Ranks& ranks)
+{
+  // The rank of block A checks.
+  const auto isHere = [&](int block) { return mesh.blocks[block].points.isHere(); };
+  std::vector<PointBox> wanted;
+  for (const DeclaredContact& declared : contacts)
+  {
+    const Interface& c = declared.contact;
+    if (ranks.size() > 1 && isHere(c.blockA) && !isHere(c.blockB))
+    {
+      wanted.push_back(neighbourhood(mesh.blocks[c.blockB], c.blockB, c.faceB, c.rangeB()));
+    }
+  }
+  const auto fetched = fetchPoints(
+    wanted, static_cast<int>(mesh.blocks.size()), [&](int block) { return mesh.blocks[block].rank; },
+    [&](int block) -> GridView& { return mesh.blocks[block].points; }, ranks);
+
+  ranks.together([&] {
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+    {
+      const Interface& c = contacts[i].contact;
+      if (!isHere(c.blockA) || (ranks.size() == 1 && !isHere(c.blockB)))
+      {
+        continue;
+      }
+      try
+      {
+        checkContact(mesh, c);
+      }
+      catch (const Error& error)
+      {
+        throw ErrorAt(static_cast<Index>(i), contacts[i].where + ": " + error.what());
+      }
+    }
+  });
 }
 
 void checkRange(const BlockMesh& mesh, const DirectedRange& range)

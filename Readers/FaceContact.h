@@ -7,6 +7,7 @@
 #include "BlockMesh.h"
 
 #include <string>
+#include <vector>
 
 namespace bsv
 {
@@ -33,10 +34,18 @@ Interface faceContact(const DirectedRange& a, const DirectedRange& b, bool swapp
 Interface orderedContact(const Interface& contact);
 bool operator==(const Interface& a, const Interface& b);
 
+/// A contact and where it is declared, for messages: "mesh.nmf, line 7".
+struct DeclaredContact
+{
+  Interface contact;
+  std::string where;
+};
+
 /// Checks that the points of the two sides coincide: no farther apart than 5 % of the shortest mesh edge at either of
-/// them (edges of zero length do not count).
-/// @throws Error naming blocks, point, distance and tolerance. The text names no file; the caller adds it.
-void checkContact(const BlockMesh& mesh, const Interface& contact);
+/// them (edges of zero length do not count). Collective; a process that is alone and has not all blocks checks the
+/// contacts of those that it has.
+/// @throws Error naming the place, blocks, point, distance and tolerance, for the first contact that is wrong.
+void checkContacts(BlockMesh mesh, const std::vector<DeclaredContact>& contacts, const Ranks& ranks);
 
 /// Checks that the range lies in the face and spans at least one cell along both axes.
 /// @throws Error naming block, face and range. The text names no file; the caller adds it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file GridBlock.h
-/// One block as it comes out of a file: it owns its points, so that they can be handed on without a copy.
+/// One block as it comes out of a file: it owns its points, so that they can be handed on without a copy. Of a block
+/// that belongs to another piece only name and size are known.
 #pragma once
 
 #include "BlockMesh.h"
@@ -17,13 +18,16 @@ struct GridBlock
   std::string name;
   /// Points per direction.
   Ijk counts{ 0, 0, 0 };
-  /// size() triples x y z, i fastest: exactly one of the two, in the precision of the file.
+  /// The piece that the block belongs to (Piece.h).
+  int piece = 0;
+  /// size() triples x y z, i fastest: exactly one of the two, in the precision of the file, or none of another piece.
   std::unique_ptr<float[]> floats;
   std::unique_ptr<double[]> doubles;
   /// size() values, or null if the file has none.
   std::unique_ptr<int[]> iblank;
 
   Index size() const { return Index(this->counts[0]) * this->counts[1] * this->counts[2]; }
+  bool isHere() const { return this->floats || this->doubles; }
   GridView view() const
   {
     return this->floats ? GridView(this->floats.get(), this->counts) : GridView(this->doubles.get(), this->counts);
@@ -50,6 +54,7 @@ inline MeshBlock meshBlock(const GridBlock& block)
 {
   MeshBlock mesh;
   mesh.points = block.view();
+  mesh.rank = block.piece;
   mesh.name = block.name;
   return mesh;
 }

@@ -2,6 +2,7 @@
 #include "NeutralMapFile.h"
 
 #include "FaceContact.h"
+#include "Ranks.h"
 
 #include <algorithm>
 #include <cctype>
@@ -71,7 +72,8 @@ public:
     }
   }
 
-  void read()
+  /// @return the contacts, whose points are not checked yet.
+  std::vector<DeclaredContact> read()
   {
     this->readBlocks();
     while (this->nextLine())
@@ -82,13 +84,12 @@ public:
     {
       this->fail("reading failed");
     }
+    return std::move(this->Contacts);
   }
 
 private:
-  [[noreturn]] void fail(const std::string& what) const
-  {
-    throw Error(this->FileName + ", line " + std::to_string(this->Line) + ": " + what);
-  }
+  std::string where() const { return this->FileName + ", line " + std::to_string(this->Line); }
+  [[noreturn]] void fail(const std::string& what) const { throw Error(this->where() + ": " + what); }
 
   /// Adds file and line to the errors of `check`.
   template <typename Check>
@@ -222,24 +223,26 @@ private:
     // The flag speaks of primary directions; if that is our first axis on one side only, it turns round.
     const bool swapped = this->readSwap(13) != (primaryAxis(a.face) != primaryAxis(b.face));
     this->located([&] {
-      const Interface contact = faceContact(a, b, swapped);
-      checkContact(this->Mesh, contact);
-      this->Mesh.interfaces.push_back(contact);
+      this->Contacts.push_back({ faceContact(a, b, swapped), this->where() });
     });
+    this->Mesh.interfaces.push_back(this->Contacts.back().contact);
   }
 
   std::string FileName;
   std::ifstream Stream;
   BlockMesh& Mesh;
+  std::vector<DeclaredContact> Contacts;
   int Line = 0;
   std::vector<std::string> Words;
 };
 
 } // namespace
 
-void readNeutralMap(const std::string& fileName, BlockMesh& mesh)
+void readNeutralMap(const std::string& fileName, BlockMesh& mesh, const Execution& run)
 {
-  NeutralMapReader(fileName, mesh).read();
+  std::vector<DeclaredContact> contacts;
+  run.ranks->together([&] { contacts = NeutralMapReader(fileName, mesh).read(); });
+  checkContacts(mesh, contacts, *run.ranks);
 }
 
 } // namespace bsv

@@ -17,6 +17,7 @@
 #pragma once
 
 #include "BlockMesh.h"
+#include "Types.h"
 
 #include <string>
 
@@ -27,7 +28,7 @@ namespace bsv
 /// A TYPE other than ONE_TO_ONE names a boundary. PATCHED (not point to point) and UNPROCESSED say nothing and are
 /// skipped.
 /// @throws Error naming file and line for anything that is not of the form above, blocks, faces and ranges that `mesh`
-/// does not have, and contacts whose points do not coincide (see checkContact).
-void readNeutralMap(const std::string& fileName, BlockMesh& mesh);
+/// does not have, and contacts whose points do not coincide (see checkContacts).
+void readNeutralMap(const std::string& fileName, BlockMesh& mesh, const Execution& run = {});
 
 } // namespace bsv

@@ -104,8 +104,10 @@ public:
   explicit InputFile(const std::string& fileName)
     : Name(fileName)
     , Size(fileSize(fileName))
-    , Stream(fileName, std::ios::binary)
   {
+    // What is read comes from all over the file, in pieces that fit.
+    this->Stream.rdbuf()->pubsetbuf(nullptr, 0);
+    this->Stream.open(fileName, std::ios::binary);
     if (!this->Stream)
     {
       throw Error(fileName + ": cannot be opened for reading");
@@ -152,17 +154,25 @@ bool isText(InputFile& file)
 //----------------------------------------------------------------------------------------------------------------------
 // ASCII
 
-/// Values of Fortran list-directed text.
+/// Values of Fortran list-directed text: a whole file, read part by part, or its first bytes.
 class ListReader
 {
 public:
-  ListReader(const std::string& fileName, const std::string& text)
-    : FileName(fileName)
-    , At(text.data())
-    , Begin(text.data())
-    , End(text.data() + text.size())
+  explicit ListReader(InputFile& file)
+    : ListReader(file, file.size())
   {
   }
+  ListReader(InputFile& file, Index bytes)
+    : File(file)
+    , Remaining(bytes)
+    , Buffer(static_cast<std::size_t>(std::min(bytes, Index(1) << 20)))
+    , At(Buffer.data())
+    , End(At)
+  {
+    this->refill();
+  }
+  ListReader(const ListReader&) = delete;
+  ListReader& operator=(const ListReader&) = delete;
 
   /// How many values there are from here to the end, repeats multiplied out.
   Index countValues()
@@ -196,6 +206,26 @@ public:
     return this->Real;
   }
 
+  /// Leaves out values, which need not be numbers.
+  void skip(Index count)
+  {
+    while (count > 0)
+    {
+      if (this->Repeat == 0)
+      {
+        this->require();
+      }
+      const Index taken = std::min(count, this->Repeat);
+      count -= taken;
+      this->Repeat -= taken;
+    }
+    if (this->Repeat > 0)
+    {
+      // A repeat that the next block begins with.
+      this->Real = this->parseReal();
+    }
+  }
+
   int integer()
   {
     if (this->Repeat == 0)
@@ -224,15 +254,16 @@ public:
   /// Names the line of the value read last.
   [[noreturn]] void fail(const std::string& what) const
   {
-    throw Error(this->FileName + ", line " + std::to_string(this->line()) +
+    throw Error(this->File.name() + ", line " + std::to_string(this->line()) +
       (this->Context.empty() ? "" : " (" + this->Context + ")") + ": " + what);
   }
 
   /// Line of the value read last, from 1.
   Index line() const
   {
-    const char* last = this->Value == this->End && this->End != this->Begin ? this->End - 1 : this->Value;
-    return 1 + std::count(this->Begin, last, '\n');
+    const char* begin = this->Buffer.data();
+    const char* last = this->Value == this->End && this->End != begin ? this->End - 1 : this->Value;
+    return 1 + this->LinesBefore + std::count(begin, last, '\n');
   }
 
   /// What is being read, for error messages.
@@ -262,11 +293,33 @@ private:
     }
   }
 
+  /// Reads on, and drops what lies before At.
+  void refill()
+  {
+    this->LinesBefore += std::count(static_cast<const char*>(this->Buffer.data()), this->At, '\n');
+    const Index kept = std::copy(this->At, this->End, this->Buffer.data()) - this->Buffer.data();
+    const Index added = std::min(this->Remaining, static_cast<Index>(this->Buffer.size()) - kept);
+    this->File.read(this->Offset, this->Buffer.data() + kept, added);
+    this->Offset += added;
+    this->Remaining -= added;
+    this->At = this->Buffer.data();
+    this->End = this->At + kept + added;
+  }
+  /// Whether At is at the end of the text.
+  bool atEnd()
+  {
+    if (this->At == this->End && this->Remaining > 0)
+    {
+      this->refill();
+    }
+    return this->At == this->End;
+  }
+
   /// Finds the next value and its repeat count; false at the end of the text.
   bool fetch()
   {
     bool comma = false;
-    for (; this->At != this->End && (isBlank(*this->At) || *this->At == ','); ++this->At)
+    for (; !this->atEnd() && (isBlank(*this->At) || *this->At == ','); ++this->At)
     {
       if (*this->At == ',' && comma)
       {
@@ -280,12 +333,24 @@ private:
     {
       return false;
     }
-    const char* star = nullptr;
-    for (; this->At != this->End && !isBlank(*this->At) && *this->At != ','; ++this->At)
+    const auto inValue = [&] { return this->At != this->End && !isBlank(*this->At) && *this->At != ','; };
+    while (inValue())
     {
-      star = *this->At == '*' && !star ? this->At : star;
+      ++this->At;
+    }
+    if (this->At == this->End && this->Remaining > 0)
+    {
+      // Longer than the buffer is no number.
+      this->At = this->Value;
+      this->refill();
+      for (this->Value = this->At; inValue();)
+      {
+        ++this->At;
+      }
     }
     this->ValueEnd = this->At;
+    const char* star = std::find(this->Value, this->ValueEnd, '*');
+    star = star == this->ValueEnd ? nullptr : star;
     this->Repeat = 1;
     if (star)
     {
@@ -333,9 +398,15 @@ private:
     return value;
   }
 
-  std::string FileName;
+  InputFile& File;
+  /// Where the text goes on that is not in the buffer, and how many bytes there are.
+  Index Offset = 0;
+  Index Remaining;
+  std::vector<char> Buffer;
+  /// Line ends before the buffer.
+  Index LinesBefore = 0;
+  /// What is left of the buffer.
   const char* At;
-  const char* Begin;
   const char* End;
   /// The value read last, without its repeat count, and how often it is still to be given.
   const char* Value = At;
@@ -376,10 +447,12 @@ std::vector<Ijk> readHeader(ListReader& reader, bool multiBlock, Index bytes)
 
 Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
 {
-  const std::string text = file.text(file.size());
-  const Index values = ListReader(file.name(), text).countValues();
-  const std::string firstLine = text.substr(0, text.find('\n'));
-  const bool threeFirst = ListReader(file.name(), firstLine).countValues() == 3;
+  ListReader all(file);
+  const Index values = all.countValues();
+  const Index lines = all.line();
+  const std::size_t firstLine = file.text(std::min<Index>(file.size(), 1 << 10)).find('\n');
+  const bool threeFirst =
+    firstLine != std::string::npos && ListReader(file, static_cast<Index>(firstLine)).countValues() == 3;
 
   Plot3DLayout layout;
   static_cast<Plot3DOptions&>(layout) = options;
@@ -394,7 +467,7 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
     layout.multiBlock = multiBlock;
     try
     {
-      ListReader reader(file.name(), text);
+      ListReader reader(file);
       layout.counts = readHeader(reader, multiBlock, file.size());
     }
     catch (const Error& error)
@@ -428,21 +501,22 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
     }
     const std::string mismatch = file.name() + ": the header promises " + describe(layout.counts) + ", that is " +
       needs + " numbers, but the file has " + number(values) + ", down to line " +
-      std::to_string(1 + std::count(text.begin(), text.end() - 1, '\n'));
+      std::to_string(lines);
     failure = expected ? mismatch : failure;
   }
   // A word instead of a number, or a missing blank, is the better explanation.
-  ListReader(file.name(), text).checkNumbers();
+  ListReader(file).checkNumbers();
   throw Error(failure);
 }
 
-void readAscii(InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Execution& run)
+void readAscii(InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Piece& piece,
+  const Execution& run)
 {
-  const std::string text = file.text(file.size());
-  ListReader reader(file.name(), text);
+  ListReader reader(file);
   readHeader(reader, layout.multiBlock, file.size());
   const Index total = pointCount(layout.counts) * (layout.iblank == IBlank::Present ? 4 : 3);
   Index done = 0;
+  // next(begin, end) reads these values.
   const auto read = [&](const std::string& what, const GridBlock& block, const auto& next) {
     reader.Context = block.name + ", " + what;
     constexpr Index Grain = 1 << 16;
@@ -450,27 +524,44 @@ void readAscii(InputFile& file, const Plot3DLayout& layout, std::vector<GridBloc
     for (Index begin = 0; begin < size; begin += Grain)
     {
       const Index end = std::min(size, begin + Grain);
-      for (Index p = begin; p < end; ++p)
-      {
-        next(p);
-      }
+      next(begin, end);
       done += end - begin;
       run.report(double(done) / double(total));
     }
   };
+  const auto skip = [&](Index begin, Index end) { reader.skip(end - begin); };
   for (GridBlock& block : blocks)
   {
-    block.allocate(false);
+    const bool own = block.piece == piece.number;
+    if (own)
+    {
+      block.allocate(false);
+    }
     for (int axis = 0; axis < 3; ++axis)
     {
-      double* values = block.doubles.get() + axis;
-      read(std::string(1, "xyz"[axis]), block, [&](Index p) { values[3 * p] = reader.real(); });
+      const std::string what(1, "xyz"[axis]);
+      double* values = own ? block.doubles.get() + axis : nullptr;
+      own ? read(what, block,
+              [&](Index begin, Index end) {
+                for (Index p = begin; p < end; ++p)
+                {
+                  values[3 * p] = reader.real();
+                }
+              })
+          : read(what, block, skip);
     }
     if (layout.iblank == IBlank::Present)
     {
       reader.switchType();
-      block.iblank.reset(new int[static_cast<std::size_t>(block.size())]);
-      read("iblank", block, [&](Index p) { block.iblank[p] = reader.integer(); });
+      block.iblank.reset(own ? new int[static_cast<std::size_t>(block.size())] : nullptr);
+      own ? read("iblank", block,
+              [&](Index begin, Index end) {
+                for (Index p = begin; p < end; ++p)
+                {
+                  block.iblank[p] = reader.integer();
+                }
+              })
+          : read("iblank", block, skip);
       reader.switchType();
     }
   }
@@ -833,18 +924,29 @@ void readArray(InputFile& file, Index offset, Index count, ByteOrder order, cons
   }
 }
 
-void readBinary(InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Execution& run)
+void readBinary(InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Piece& piece,
+  const Execution& run)
 {
-  const Index total = pointCount(layout.counts) * (layout.iblank == IBlank::Present ? 4 : 3);
+  Index total = 0;
+  for (const GridBlock& block : blocks)
+  {
+    total += block.piece == piece.number ? block.size() * (layout.iblank == IBlank::Present ? 4 : 3) : 0;
+  }
   Index done = 0;
   const auto report = [&](Index count) {
     done += count;
     run.report(double(done) / double(total));
   };
   const Index marker = markerSize(layout.format);
-  Index offset = headerSize(layout);
+  Index next = headerSize(layout);
   for (GridBlock& block : blocks)
   {
+    const Index offset = next;
+    next += blockSize(layout, block.counts) + 2 * marker;
+    if (block.piece != piece.number)
+    {
+      continue;
+    }
     const bool isFloat = layout.realType == RealType::Float;
     const Index size = block.size();
     block.allocate(isFloat);
@@ -866,7 +968,6 @@ void readBinary(InputFile& file, const Plot3DLayout& layout, std::vector<GridBlo
         file, at, size, layout.byteOrder, [&](Index p, int value) { block.iblank[p] = value; }, report);
     }
     checkFinite(file.name(), block);
-    offset += blockSize(layout, block.counts) + 2 * marker;
   }
 }
 
@@ -908,12 +1009,11 @@ bool looksLikePlot3D(const std::string& fileName)
     if (isText(file))
     {
       // Enough for the header of any number of blocks that people have.
-      const std::string start = file.text(std::min<Index>(file.size(), 1 << 20));
       for (const bool multiBlock : { true, false })
       {
         try
         {
-          ListReader reader(fileName, start);
+          ListReader reader(file, std::min<Index>(file.size(), 1 << 20));
           readHeader(reader, multiBlock, file.size());
           return true;
         }
@@ -935,19 +1035,22 @@ bool looksLikePlot3D(const std::string& fileName)
   }
 }
 
-std::vector<GridBlock> readPlot3D(const std::string& fileName, const Plot3DLayout& layout, const Execution& run)
+std::vector<GridBlock> readPlot3D(
+  const std::string& fileName, const Plot3DLayout& layout, const Execution& run, const Piece& piece)
 {
   InputFile file(fileName);
+  const std::vector<int> owners = piece.owners(layout.counts);
   std::vector<GridBlock> blocks(layout.counts.size());
   for (std::size_t b = 0; b < blocks.size(); ++b)
   {
     blocks[b].name = blockName(b);
     blocks[b].counts = layout.counts[b];
+    blocks[b].piece = owners[b];
   }
   try
   {
-    layout.format == Plot3DFormat::Ascii ? readAscii(file, layout, blocks, run)
-                                         : readBinary(file, layout, blocks, run);
+    layout.format == Plot3DFormat::Ascii ? readAscii(file, layout, blocks, piece, run)
+                                         : readBinary(file, layout, blocks, piece, run);
   }
   catch (const std::bad_alloc&)
   {

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "GridBlock.h"
+#include "Piece.h"
 #include "Types.h"
 
 #include <string>
@@ -84,8 +85,10 @@ Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& opti
 /// Whether the header is that of a PLOT3D file, well or ill formed behind it. Never throws.
 bool looksLikePlot3D(const std::string& fileName);
 
-/// Reads all blocks. They are named "block 1", "block 2", ..
+/// Reads the blocks of a piece. They are named "block 1", "block 2", .. Of binary files only the header and these blocks
+/// are read; the numbers of an ASCII file are looked at in any case, those of other pieces not as closely.
 /// @throws Error naming file, block and line or offset, and the value; Aborted.
-std::vector<GridBlock> readPlot3D(const std::string& fileName, const Plot3DLayout& layout, const Execution& run = {});
+std::vector<GridBlock> readPlot3D(
+  const std::string& fileName, const Plot3DLayout& layout, const Execution& run = {}, const Piece& piece = {});
 
 } // namespace bsv

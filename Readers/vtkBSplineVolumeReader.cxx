@@ -3,8 +3,8 @@
 
 #include "BSplineVolumeData.h"
 #include "BSplineVolumeFile.h"
-#include "FilterExecution.h"
 #include "HexBlockData.h"
+#include "PieceRequest.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"
@@ -82,6 +82,14 @@ int vtkBSplineVolumeReader::CanReadFile(const char* fileName)
 }
 
 //------------------------------------------------------------------------------
+int vtkBSplineVolumeReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
@@ -95,19 +103,32 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }
-  const int success = bsv::execute(this, output, [&] {
-    const bsv::Execution run = bsv::filterExecution(this);
-    run.report(0.0);
-    const bsv::BSplineVolumeFileContent content = bsv::readBSplineVolumeFile(this->FileName);
-    run.report(0.8);
-    const bool mesh = content.format == "MFEM NURBS mesh";
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution run = bsv::pieceExecution(this, piece);
+  const int success = bsv::execute(this, output, *run.ranks, [&] {
+    bsv::BSplineVolumeFileContent content;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     std::vector<std::string> names;
-    for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
-    {
-      grids.push_back(gridOf(block, mesh));
-      names.push_back(block.name);
-    }
+    run.ranks->together([&] {
+      run.report(0.0);
+      content = bsv::readBSplineVolumeFile(this->FileName);
+      run.report(0.8);
+      std::vector<bsv::Ijk> counts;
+      for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
+      {
+        counts.push_back({ block.volume.count(0), block.volume.count(1), block.volume.count(2) });
+        names.push_back(block.name);
+      }
+      const std::vector<int> owners = piece.owners(counts);
+      for (std::size_t b = 0; b < owners.size(); ++b)
+      {
+        bsv::BSplineVolumeFileBlock& block = content.blocks[b];
+        grids.push_back(owners[b] == piece.number ? gridOf(block, content.format == "MFEM NURBS mesh") : nullptr);
+        // So that there are never two copies of all.
+        block.points = {};
+        block.weights = {};
+      }
+    });
     bsv::setBlocks(output, grids, names, "Volumes");
     bsv::setWholeFaceContacts(output, content.interfaces, content.boundaries, content.boundaryNames);
 
@@ -121,7 +142,7 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
     {
       this->NotRead += (this->NotRead.empty() ? "" : ", ") + std::to_string(other.second) + " " + other.first;
     }
-    if (!this->NotRead.empty())
+    if (!this->NotRead.empty() && run.ranks->rank() == 0)
     {
       vtkWarningMacro(<< this->FileName << ": left out: " << this->NotRead);
     }

@@ -21,7 +21,10 @@
  * A file that is damaged or holds no volume ends in one error that names the file and the line, with the error code set
  * and the output empty.
  *
- * With several ranks every rank reads all blocks.
+ * The blocks are shared out over the pieces that the pipeline asks for, which are the ranks of ParaView, by their
+ * numbers of control points (distributeBlocks() in Ranks.h). Every piece has all partitioned data sets, names and field
+ * data of the collection, and its own blocks; elsewhere a data set has no partition. The whole text is read for every
+ * piece: where a block begins in it is not known before.
  */
 #ifndef vtkBSplineVolumeReader_h
 #define vtkBSplineVolumeReader_h
@@ -67,6 +70,7 @@ protected:
   vtkBSplineVolumeReader();
   ~vtkBSplineVolumeReader() override = default;
 
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

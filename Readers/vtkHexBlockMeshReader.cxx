@@ -2,9 +2,9 @@
 #include "vtkHexBlockMeshReader.h"
 
 #include "CGNSZones.h"
-#include "FilterExecution.h"
 #include "HexBlockData.h"
 #include "NeutralMapFile.h"
+#include "PieceRequest.h"
 #include "Plot3DFile.h"
 
 #include "vtkDoubleArray.h"
@@ -44,9 +44,13 @@ vtkSmartPointer<Array> adopt(std::unique_ptr<Value[]>& values, int components, b
   return array;
 }
 
-/// Grid that takes over the points of the block.
+/// Grid that takes over the points of the block; null if they are not here.
 vtkSmartPointer<vtkStructuredGrid> adopt(bsv::GridBlock& block)
 {
+  if (!block.isHere())
+  {
+    return nullptr;
+  }
   vtkNew<vtkPoints> points;
   if (block.floats)
   {
@@ -83,6 +87,14 @@ int vtkHexBlockMeshReader::CanReadFile(const char* fileName)
 }
 
 //------------------------------------------------------------------------------
+int vtkHexBlockMeshReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 int vtkHexBlockMeshReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
@@ -95,19 +107,20 @@ int vtkHexBlockMeshReader::RequestData(
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }
-  try
-  {
-    const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.95);
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.95);
+  const int success = bsv::execute(this, output, *run.ranks, [&] {
+    std::string layoutName;
     std::vector<bsv::GridBlock> blocks;
     bsv::BlockMesh mesh;
     if (bsv::looksLikeCGNS(this->FileName))
     {
-      bsv::CGNSZones zones = bsv::readCGNS(this->FileName, run);
+      bsv::CGNSZones zones = bsv::readCGNS(this->FileName, run, piece);
       blocks = std::move(zones.blocks);
       mesh.interfaces = std::move(zones.interfaces);
       mesh.boundaries = std::move(zones.boundaries);
       mesh.boundaryNames = std::move(zones.boundaryNames);
-      this->FileLayout = "CGNS";
+      layoutName = "CGNS";
     }
     else
     {
@@ -116,25 +129,27 @@ int vtkHexBlockMeshReader::RequestData(
       options.byteOrder = static_cast<bsv::ByteOrder>(this->ByteOrder);
       options.realType = static_cast<bsv::RealType>(this->Precision);
       options.iblank = static_cast<bsv::IBlank>(this->IBlank);
-      const bsv::Plot3DLayout layout = bsv::plot3DLayout(this->FileName, options);
-      blocks = bsv::readPlot3D(this->FileName, layout, run);
-      this->FileLayout = "PLOT3D, " + layout.description();
+      run.ranks->together([&] {
+        const bsv::Plot3DLayout layout = bsv::plot3DLayout(this->FileName, options);
+        blocks = bsv::readPlot3D(this->FileName, layout, run, piece);
+        layoutName = "PLOT3D, " + layout.description();
+      });
     }
     for (const bsv::GridBlock& block : blocks)
     {
       mesh.blocks.push_back(bsv::meshBlock(block));
     }
-    if (this->UseNeutralMap && this->FileLayout != "CGNS")
+    if (this->UseNeutralMap && layoutName != "CGNS")
     {
       const std::string extension = vtksys::SystemTools::GetFilenameLastExtension(this->FileName);
       const std::string beside = this->FileName.substr(0, this->FileName.size() - extension.size()) + ".nmf";
       if (!this->NeutralMapFile.empty())
       {
-        bsv::readNeutralMap(this->NeutralMapFile, mesh);
+        bsv::readNeutralMap(this->NeutralMapFile, mesh, run);
       }
-      else if (vtksys::SystemTools::FileExists(beside, true))
+      else if (run.ranks->any(vtksys::SystemTools::FileExists(beside, true)))
       {
-        bsv::readNeutralMap(beside, mesh);
+        bsv::readNeutralMap(beside, mesh, run);
       }
     }
 
@@ -149,23 +164,15 @@ int vtkHexBlockMeshReader::RequestData(
     bsv::setBlocks(result, grids, names, "mesh");
     bsv::setConnectivity(result->GetFieldData(), mesh);
     output->ShallowCopy(result);
+    this->FileLayout = layoutName;
     this->UpdateProgress(1.0);
-  }
-  catch (const bsv::Aborted&)
+  });
+  if (!success)
   {
-    output->Initialize();
-    this->FileLayout.clear();
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    this->FileLayout.clear();
-    vtkErrorMacro(<< error.what());
     this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
                                                                        : vtkErrorCode::FileNotFoundError);
-    return 0;
   }
-  return 1;
+  return success;
 }
 
 //------------------------------------------------------------------------------

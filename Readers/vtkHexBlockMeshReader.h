@@ -21,8 +21,13 @@
  * Point data: `IBlank` (int) if a PLOT3D file has it.
  *
  * Whatever is wrong with a file ends in one error that names file, block, line or offset and value, sets the error code
- * and leaves the output empty. Sizes are checked against the file before memory is allocated. With several ranks
- * every rank holds the whole mesh.
+ * and leaves the output empty. Sizes are checked against the file before memory is allocated.
+ *
+ * The blocks are shared out over the pieces that the pipeline asks for, which are the ranks of ParaView, by their
+ * numbers of points (distributeBlocks() in Ranks.h). Every piece has all partitioned data sets, names and field data,
+ * and the points of its own blocks; elsewhere a data set has no partition. Of a binary PLOT3D or a CGNS file a piece
+ * reads only its own blocks; of an ASCII file it keeps only these. The points of contacts between pieces are compared
+ * if each rank reads the piece of its own number; a process that asks for one piece alone compares what it has.
  *
  * Sources: PLOT3D User's Manual, NASA TM-101067 (1990); W. T. Jones, The Neutral Map File, NASA Langley GEOLAB; CGNS
  * Standard Interface Data Structures, https://cgns.github.io. Not read: two-dimensional and whole-plane PLOT3D files,
@@ -149,6 +154,7 @@ protected:
   vtkHexBlockMeshReader();
   ~vtkHexBlockMeshReader() override = default;
 
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

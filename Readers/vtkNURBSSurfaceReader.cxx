@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSSurfaceReader.h"
 
-#include "FilterExecution.h"
 #include "NURBSFile.h"
 #include "NURBSSurfaceData.h"
+#include "PieceRequest.h"
 
 #include "vtkErrorCode.h"
 #include "vtkFieldData.h"
@@ -107,10 +107,12 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }
-  try
-  {
+  // Every rank has the whole body.
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.9);
+  const int success = bsv::execute(this, output, *run.ranks, [&] {
     bsv::NURBSFileContent content =
-      bsv::readNURBSFile(this->FileName, this->TessellationTolerance, bsv::filterExecution(this, 0.0, 0.9));
+      bsv::readNURBSFile(this->FileName, this->TessellationTolerance, run);
 
     const double fileUnit = this->FileUnit == AS_IN_FILE ? content.unit : Units[this->FileUnit].metres;
     double targetUnit = content.unit;
@@ -169,27 +171,20 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
     addString(fields, "LengthUnit", unitName(targetUnit));
     fields->AddArray(notRead);
     fields->AddArray(notReadCount);
-    if (!this->NotRead.empty())
+    if (!this->NotRead.empty() && run.ranks->rank() == 0)
     {
       vtkWarningMacro(<< this->FileName << ": left out, because they are no surfaces: " << this->NotRead);
     }
-    if (content.approximated > 0)
+    if (content.approximated > 0 && run.ranks->rank() == 0)
     {
       vtkWarningMacro(<< this->FileName << ": " << content.approximated
                       << " faces have no exact NURBS form and were approximated");
     }
-  }
-  catch (const bsv::Aborted&)
+  });
+  if (!success)
   {
-    output->Initialize();
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
     this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
                                                                        : vtkErrorCode::FileNotFoundError);
-    return 0;
   }
-  return 1;
+  return success;
 }

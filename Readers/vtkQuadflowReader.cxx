@@ -2,8 +2,8 @@
 #include "vtkQuadflowReader.h"
 
 #include "BSplineVolumeData.h"
-#include "FilterExecution.h"
 #include "HexBlockData.h"
+#include "PieceRequest.h"
 #include "QuadflowFormat.h"
 
 #include "vtkErrorCode.h"
@@ -40,6 +40,14 @@ int vtkQuadflowReader::CanReadFile(const char* fileName)
 }
 
 //------------------------------------------------------------------------------
+int vtkQuadflowReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
@@ -50,20 +58,26 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return 0;
   }
-  try
-  {
+  const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
+  const bsv::Execution run = bsv::pieceExecution(this, piece);
+  const int success = bsv::execute(this, output, *run.ranks, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-    const bsv::QuadflowStorage storage = [&](int, const std::array<int, 3>& counts) {
+    const bsv::QuadflowStorage storage = [&](int block, const std::array<int, 3>& counts) {
       double* points = nullptr;
+      grids.resize(block);
       grids.push_back(bsv::blockGrid(counts, points));
       return points;
     };
-    const bsv::QuadflowCase all = bsv::readQuadflow(this->FileName, storage, bsv::filterExecution(this));
+    const bsv::QuadflowCase all = bsv::readQuadflow(this->FileName, storage, run, piece);
+    grids.resize(all.blocks.size());
 
     std::vector<std::string> names;
     for (std::size_t b = 0; b < all.blocks.size(); ++b)
     {
-      bsv::setDegreeAndKnots(grids[b], all.blocks[b].volume);
+      if (grids[b])
+      {
+        bsv::setDegreeAndKnots(grids[b], all.blocks[b].volume);
+      }
       names.push_back(all.blocks[b].name.empty() ? "block " + std::to_string(b) : all.blocks[b].name);
     }
     std::vector<bsv::Interface> interfaces;
@@ -88,18 +102,11 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
     }
     bsv::setBlocks(output, grids, names, "BSplineVolume");
     bsv::setWholeFaceContacts(output, interfaces, boundaries, boundaryNames);
-  }
-  catch (const bsv::Aborted&)
+  });
+  if (!success)
   {
-    output->Initialize();
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
     this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
                                                                        : vtkErrorCode::FileNotFoundError);
-    return 0;
   }
-  return 1;
+  return success;
 }

@@ -14,7 +14,11 @@
  * of the collection: `Interfaces`, `Boundaries`, `BoundaryNames` (BSplineVolumeData.h). Points, knots, names,
  * interfaces and boundaries are those that were written, bit for bit.
  *
- * With several ranks every rank holds the whole volume.
+ * The blocks are shared out over the pieces that the pipeline asks for, which are the ranks of ParaView, by their
+ * numbers of cells. Every piece has all partitioned data sets, names and field data of the collection, and its own
+ * blocks; elsewhere a data set has no partition. Text of other pieces is passed over, binary numbers are not even read.
+ * Control points of different pieces are compared if each rank reads the piece of its own number; a process that asks
+ * for one piece alone compares what it has.
  */
 #ifndef vtkQuadflowReader_h
 #define vtkQuadflowReader_h
@@ -48,6 +52,7 @@ protected:
   vtkQuadflowReader();
   ~vtkQuadflowReader() override = default;
 
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSSurfaceWriter.h"
 
+#include "FilterExecution.h"
 #include "NURBSSurfaceData.h"
 #include "NURBSSurfaceFile.h"
 
 #include "vtkDataObject.h"
 #include "vtkErrorCode.h"
 #include "vtkInformation.h"
-#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 
 vtkStandardNewMacro(vtkNURBSSurfaceWriter);
@@ -31,24 +31,34 @@ int vtkNURBSSurfaceWriter::FillInputPortInformation(int, vtkInformation* info)
 //------------------------------------------------------------------------------
 void vtkNURBSSurfaceWriter::WriteData()
 {
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  if (controller && controller->GetLocalProcessId() != 0)
-  {
-    return;
-  }
+  const bsv::Execution run = bsv::filterExecution(this);
+  const bool first = run.ranks->rank() == 0;
   if (this->FileName.empty())
   {
-    vtkErrorMacro("File Name is empty.");
+    if (first)
+    {
+      vtkErrorMacro("File Name is empty.");
+    }
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
     return;
   }
   try
   {
-    bsv::writeNURBSSurfaceFile(bsv::bodyPatches(this->GetInput()), this->FileName);
+    // All ranks have the whole body then.
+    run.ranks->together([&] {
+      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(this->GetInput(), *run.ranks);
+      if (first)
+      {
+        bsv::writeNURBSSurfaceFile(patches, this->FileName);
+      }
+    });
   }
   catch (const std::exception& error)
   {
-    vtkErrorMacro(<< error.what());
+    if (first)
+    {
+      vtkErrorMacro(<< error.what());
+    }
     this->SetErrorCode(vtkErrorCode::CannotOpenFileError);
   }
 }

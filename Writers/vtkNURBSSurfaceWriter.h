@@ -10,7 +10,7 @@
  * Input: NURBS surfaces (NURBSSurfaceData.h), untrimmed. A trimmed patch is an error that names it.
  *
  * The file appears complete or not at all. After an error an old file is untouched; the error code is set and Write()
- * returns 0. With several ranks, rank 0 writes, and must hold all patches.
+ * returns 0. With several ranks, the patches may be on any of them; rank 0 writes.
  */
 #ifndef vtkNURBSSurfaceWriter_h
 #define vtkNURBSSurfaceWriter_h

@@ -17,7 +17,8 @@
  * end. After an error (a volume that is not conforming, a full disk) or an abort an old file is untouched; the error
  * code is set and Write() returns 0.
  *
- * With several ranks, rank 0 writes, and must hold all blocks.
+ * Several ranks write one file, the same as one rank would: each its own blocks, at their places in the file. All of
+ * them must see the folder. An error of any is reported by the first, and all set the error code.
  */
 #ifndef vtkQuadflowWriter_h
 #define vtkQuadflowWriter_h

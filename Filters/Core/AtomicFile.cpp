@@ -12,10 +12,77 @@
 namespace bsv
 {
 
-AtomicFile::AtomicFile(const std::string& path)
-  : Target(path)
-  , Buffer(std::size_t(1) << 20)
+//------------------------------------------------------------------------------
+char* OutputBuffer::room(std::size_t size)
 {
+  if (this->Used + size > this->Buffer.size())
+  {
+    this->flush();
+    if (size > this->Buffer.size())
+    {
+      this->Buffer.resize(size);
+    }
+  }
+  return this->Buffer.data() + this->Used;
+}
+
+void OutputBuffer::write(const char* data, std::size_t size)
+{
+  if (size > this->Buffer.size())
+  {
+    this->flush();
+    this->put(data, size);
+    return;
+  }
+  char* to = this->room(size);
+  std::memcpy(to, data, size);
+  this->advance(to + size);
+}
+
+void OutputBuffer::flush()
+{
+  this->put(this->Buffer.data(), this->Used);
+  this->Used = 0;
+}
+
+//------------------------------------------------------------------------------
+AtomicFile::AtomicFile(const std::string& path, const Ranks& ranks)
+  : Target(path)
+  , Owner(ranks.rank() == 0)
+{
+  // An error in a constructor calls no destructor.
+  try
+  {
+    ranks.together([&] {
+      if (this->Owner)
+      {
+        this->create();
+      }
+    });
+    const std::vector<char> name =
+      ranks.gather(std::vector<char>(this->Temporary.begin(), this->Temporary.end())).front();
+    ranks.together([&] {
+      if (!this->Owner)
+      {
+        this->Temporary.assign(name.begin(), name.end());
+        this->Descriptor = ::open(this->Temporary.c_str(), O_WRONLY | O_CLOEXEC);
+        if (this->Descriptor < 0)
+        {
+          this->fail("find, on rank " + std::to_string(ranks.rank()) + ", what rank 0 writes for");
+        }
+      }
+    });
+  }
+  catch (...)
+  {
+    this->discard();
+    throw;
+  }
+}
+
+void AtomicFile::create()
+{
+  const std::string path = this->Target;
   mode_t mode = 0;
   if (char* resolved = ::realpath(path.c_str(), nullptr))
   {
@@ -54,46 +121,34 @@ AtomicFile::AtomicFile(const std::string& path)
 
 AtomicFile::~AtomicFile()
 {
+  this->discard();
+}
+
+void AtomicFile::discard()
+{
   if (this->Descriptor >= 0)
   {
     ::close(this->Descriptor);
   }
-  if (!this->Temporary.empty())
+  if (this->Owner && !this->Temporary.empty())
   {
     ::unlink(this->Temporary.c_str());
   }
 }
 
-char* AtomicFile::room(std::size_t size)
+void AtomicFile::seek(Index offset)
 {
-  if (this->Used + size > this->Buffer.size())
+  this->flush();
+  if (::lseek(this->Descriptor, static_cast<off_t>(offset), SEEK_SET) < 0)
   {
-    this->flush();
-    if (size > this->Buffer.size())
-    {
-      this->Buffer.resize(size);
-    }
+    this->fail("write");
   }
-  return this->Buffer.data() + this->Used;
 }
 
-void AtomicFile::write(const char* data, std::size_t size)
+Index AtomicFile::position()
 {
-  if (size > this->Buffer.size())
-  {
-    this->flush();
-    this->put(data, size);
-    return;
-  }
-  char* to = this->room(size);
-  std::memcpy(to, data, size);
-  this->advance(to + size);
-}
-
-void AtomicFile::flush()
-{
-  this->put(this->Buffer.data(), this->Used);
-  this->Used = 0;
+  this->flush();
+  return static_cast<Index>(::lseek(this->Descriptor, 0, SEEK_CUR));
 }
 
 void AtomicFile::put(const char* data, std::size_t size)

@@ -36,6 +36,8 @@ struct BSplineVolume
   const double* points = nullptr;
   /// One positive weight per control point, or null: a polynomial volume. Points are not multiplied by them.
   const double* weights = nullptr;
+  /// The rank that has points and weights; on the others both are null.
+  int rank = 0;
 
   int count(int direction) const
   {

@@ -2,12 +2,14 @@
 #include "BezierExtraction.h"
 
 #include "BezierSegments.h"
+#include "Ranks.h"
 #include "UnionFind.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace bsv
 {
@@ -89,13 +91,28 @@ Ijk bezierCounts(const BSplineVolume& volume, const std::string& name)
 BezierExtraction::BezierExtraction(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>* interfaces,
   BezierCells cells, const Execution& run)
   : Volumes(volumes)
+  , Rank(run.ranks->rank())
   , Counts(allCounts(volumes))
   , Surface(surfacesOf(this->Counts))
 {
+  struct Largest
+  {
+    std::size_t block;
+    double coordinate;
+  };
+  std::vector<Largest> largest;
+  bool rational = false;
   for (std::size_t b = 0; b < volumes.size(); ++b)
   {
     const BSplineVolume& volume = volumes[b];
-    this->Rational = this->Rational || volume.weights;
+    rational = rational || volume.weights;
+    this->Start.push_back(this->SurfacePoints);
+    if (this->isHere(static_cast<int>(b)))
+    {
+      this->SurfacePoints +=
+        this->Surface.firstPoint(static_cast<int>(b) + 1) - this->Surface.firstPoint(static_cast<int>(b));
+      largest.push_back({ b, largestCoordinate(volume) });
+    }
     std::array<WeightTable, 3> tables;
     Ijk spans;
     for (int d = 0; d < 3; ++d)
@@ -105,10 +122,15 @@ BezierExtraction::BezierExtraction(const std::vector<BSplineVolume>& volumes, co
     }
     this->Tables.push_back(std::move(tables));
     this->Spans.push_back(spans);
-    this->Tolerances.push_back(WeldTolerance * largestCoordinate(volume));
   }
-  this->evaluateSurfaces(run);
-  this->number(interfaces ? *interfaces : this->coincidentFaces(), cells);
+  this->Rational = run.ranks->any(rational);
+  this->Tolerances.resize(volumes.size());
+  for (const Largest& entry : run.ranks->gatherAll(largest))
+  {
+    this->Tolerances[entry.block] = WeldTolerance * entry.coordinate;
+  }
+  run.ranks->together([&] { this->evaluateSurfaces(run); });
+  this->number(interfaces ? *interfaces : this->coincidentFaces(*run.ranks), cells, *run.ranks);
 }
 
 Index BezierExtraction::point(int block, const Ijk& p) const
@@ -118,7 +140,7 @@ Index BezierExtraction::point(int block, const Ijk& p) const
   {
     if (p[d] == 0 || p[d] == n[d] - 1)
     {
-      return this->SurfaceNumbers[this->Surface.point(block, p)];
+      return this->SurfaceNumbers[this->surfacePoint(block, p)];
     }
   }
   return this->InsideStart.empty()
@@ -136,14 +158,20 @@ Ijk BezierExtraction::cornerOf(int block, int corner) const
   return p;
 }
 
-/// Number of the Bezier point (s, t) of a face before any are shared.
+/// Place of a point on the surface of a block on this rank.
+Index BezierExtraction::surfacePoint(int block, const Ijk& p) const
+{
+  return this->Start[block] + (this->Surface.point(block, p) - this->Surface.firstPoint(block));
+}
+
+/// Place of the Bezier point (s, t) of a face.
 Index BezierExtraction::surfacePoint(const BlockFace& at, int s, int t) const
 {
   Ijk p;
   p[faceDirection(at.face)] = faceSide(at.face) ? this->Counts[at.block][faceDirection(at.face)] - 1 : 0;
   p[faceAxis(at.face, 0)] = s;
   p[faceAxis(at.face, 1)] = t;
-  return this->Surface.point(at.block, p);
+  return this->surfacePoint(at.block, p);
 }
 
 /// The rows of the tables for a block: triples, or x, y, z, weight if the volume is rational.
@@ -172,14 +200,14 @@ void BezierExtraction::evaluateBox(
 void BezierExtraction::evaluateSurfaces(const Execution& run)
 {
   const int size = this->Rational ? 4 : 3;
-  this->SurfaceValues.resize(static_cast<std::size_t>(size * this->Surface.pointCount()));
+  this->SurfaceValues.resize(static_cast<std::size_t>(size * this->SurfacePoints));
   Execution silent = run;
   silent.progress = [](double) { return true; };
   std::vector<double> plane;
   for (std::size_t b = 0; b < this->Volumes.size(); ++b)
   {
     run.report(static_cast<double>(b) / this->Volumes.size());
-    for (int f = 0; f < 6; ++f)
+    for (int f = 0; this->isHere(static_cast<int>(b)) && f < 6; ++f)
     {
       const int d = faceDirection(f);
       std::array<WeightTable, 3> tables = this->Tables[b];
@@ -217,11 +245,8 @@ bool BezierExtraction::faceCountsFit(const Interface& contact) const
 }
 
 /// Whether two surface points, of blocks A and B, are equal up to rounding.
-bool BezierExtraction::equal(Index a, int blockA, Index b, int blockB) const
+bool BezierExtraction::equal(const double* x, int blockA, const double* y, int blockB) const
 {
-  const int size = this->Rational ? 4 : 3;
-  const double* x = this->SurfaceValues.data() + size * a;
-  const double* y = this->SurfaceValues.data() + size * b;
   const double tolerance = std::max(this->Tolerances[blockA], this->Tolerances[blockB]);
   for (int c = 0; c < 3; ++c)
   {
@@ -230,11 +255,73 @@ bool BezierExtraction::equal(Index a, int blockA, Index b, int blockB) const
       return false;
     }
   }
-  return size == 3 || std::abs(x[3] - y[3]) <= WeldTolerance * std::max(x[3], y[3]);
+  return !this->Rational || std::abs(x[3] - y[3]) <= WeldTolerance * std::max(x[3], y[3]);
+}
+
+/// For pairs of faces, the same on all ranks: the points of each for the rank of the other. Collective.
+BezierExtraction::FaceValues BezierExtraction::fetchFaces(
+  const std::vector<std::array<BlockFace, 2>>& pairs, const Ranks& ranks) const
+{
+  const std::size_t size = this->Rational ? 4 : 3;
+  std::set<std::pair<int, int>> wanted; // face, rank
+  for (const auto& pair : pairs)
+  {
+    for (int side = 0; side < 2; ++side)
+    {
+      const BlockFace& at = pair[side];
+      const int to = this->Volumes[pair[1 - side].block].rank;
+      if (to != this->Volumes[at.block].rank)
+      {
+        wanted.emplace(6 * at.block + at.face, to);
+      }
+    }
+  }
+  const auto points = [&](int face) {
+    const Ijk& n = this->Counts[face / 6];
+    return std::size_t(n[faceAxis(face % 6, 0)]) * n[faceAxis(face % 6, 1)];
+  };
+  std::vector<std::vector<double>> toRank(ranks.size());
+  for (const auto& [face, to] : wanted)
+  {
+    const BlockFace at{ face / 6, face % 6 };
+    if (this->isHere(at.block))
+    {
+      const int ns = this->Counts[at.block][faceAxis(at.face, 0)];
+      for (std::size_t i = 0; i < points(face); ++i)
+      {
+        const double* x = this->SurfaceValues.data() +
+          size * this->surfacePoint(at, static_cast<int>(i % ns), static_cast<int>(i / ns));
+        toRank[to].insert(toRank[to].end(), x, x + size);
+      }
+    }
+  }
+  const std::vector<std::vector<double>> received = ranks.exchange(toRank);
+  std::vector<std::size_t> next(ranks.size(), 0);
+  FaceValues result;
+  for (const auto& [face, to] : wanted)
+  {
+    if (to == this->Rank)
+    {
+      const int from = this->Volumes[face / 6].rank;
+      const auto begin = received[from].begin() + next[from];
+      next[from] += size * points(face);
+      result[face].assign(begin, received[from].begin() + next[from]);
+    }
+  }
+  return result;
+}
+
+/// Point (s, t) of a face, of this rank or fetched.
+const double* BezierExtraction::valueAt(const BlockFace& at, int s, int t, const FaceValues& fetched) const
+{
+  const std::size_t size = this->Rational ? 4 : 3;
+  return this->isHere(at.block) ? this->SurfaceValues.data() + size * this->surfacePoint(at, s, t)
+                                : fetched.at(6 * at.block + at.face).data() +
+      size * (s + std::size_t(this->Counts[at.block][faceAxis(at.face, 0)]) * t);
 }
 
 /// Pairs of faces that are equal up to rounding in some orientation. Each face is in at most one of them.
-std::vector<Interface> BezierExtraction::coincidentFaces() const
+std::vector<Interface> BezierExtraction::coincidentFaces(const Ranks& ranks) const
 {
   // Equal corners are found by a sweep along a direction in which hardly any others have the same place.
   struct Corner
@@ -242,6 +329,7 @@ std::vector<Interface> BezierExtraction::coincidentFaces() const
     double place;
     Index point;
     int block;
+    std::array<double, 4> value;
   };
   const Vec3 sweep(0.577, 0.617, 0.535);
   const int size = this->Rational ? 4 : 3;
@@ -249,16 +337,19 @@ std::vector<Interface> BezierExtraction::coincidentFaces() const
   std::vector<Corner> corners;
   for (int b = 0; b < blocks; ++b)
   {
-    for (int c = 0; c < 8; ++c)
+    for (int c = 0; this->isHere(b) && c < 8; ++c)
     {
-      const Index point = this->Surface.point(b, this->cornerOf(b, c));
-      const double place = sweep.dot(Eigen::Map<const Vec3>(this->SurfaceValues.data() + size * point));
+      const Ijk at = this->cornerOf(b, c);
+      const double* value = this->SurfaceValues.data() + size * this->surfacePoint(b, at);
+      const double place = sweep.dot(Eigen::Map<const Vec3>(value));
       if (std::isfinite(place))
       {
-        corners.push_back({ place, point, b });
+        corners.push_back({ place, this->Surface.point(b, at), b, {} });
+        std::copy_n(value, size, corners.back().value.data());
       }
     }
   }
+  corners = ranks.gatherAll(corners);
   std::sort(corners.begin(), corners.end(),
     [](const Corner& a, const Corner& b) { return a.place < b.place || (a.place == b.place && a.point < b.point); });
   const double window =
@@ -270,20 +361,21 @@ std::vector<Interface> BezierExtraction::coincidentFaces() const
     groupOf[corners[i].point] = static_cast<Index>(i);
     for (std::size_t j = i + 1; j < corners.size() && corners[j].place - corners[i].place <= window; ++j)
     {
-      if (this->equal(corners[i].point, corners[i].block, corners[j].point, corners[j].block))
+      if (this->equal(corners[i].value.data(), corners[i].block, corners[j].value.data(), corners[j].block))
       {
         groups.unite(static_cast<Index>(i), static_cast<Index>(j));
       }
     }
   }
 
-  std::map<std::array<Index, 4>, std::vector<BlockFace>> waiting;
-  std::vector<Interface> contacts;
+  // Faces by their corners, in any order.
+  using Key = std::array<Index, 4>;
+  std::vector<std::pair<Key, BlockFace>> faces;
   for (int b = 0; b < blocks; ++b)
   {
     for (int f = 0; f < 6; ++f)
     {
-      std::array<Index, 4> key{};
+      Key key{};
       bool known = true;
       for (int c = 0; c < 4; ++c)
       {
@@ -291,40 +383,81 @@ std::vector<Interface> BezierExtraction::coincidentFaces() const
         known = known && found != groupOf.end();
         key[c] = known ? groups.find(found->second) : 0;
       }
-      if (!known)
+      if (known)
       {
-        continue;
+        std::sort(key.begin(), key.end());
+        faces.push_back({ key, { b, f } });
       }
-      std::sort(key.begin(), key.end());
-      std::vector<BlockFace>& candidates = waiting[key];
-      Interface contact;
-      const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const BlockFace& other) {
-        contact = {};
-        contact.blockA = other.block;
-        contact.faceA = other.face;
-        contact.blockB = b;
-        contact.faceB = f;
-        while (contact.orientation < 8 && !this->coincide(contact))
-        {
-          ++contact.orientation;
-        }
-        return contact.orientation < 8;
-      });
-      if (found == candidates.end())
+    }
+  }
+  const auto contactOf = [&](const BlockFace& one, const BlockFace& other, const FaceValues& fetched) {
+    Interface contact;
+    contact.blockA = one.block;
+    contact.faceA = one.face;
+    contact.blockB = other.block;
+    contact.faceB = other.face;
+    while (contact.orientation < 8 && !this->coincide(contact, fetched))
+    {
+      ++contact.orientation;
+    }
+    return contact;
+  };
+  const auto number = [](const BlockFace& at) { return 6 * at.block + at.face; };
+  // A process that is alone compares as it goes. Of several that of the first face compares all pairs.
+  std::map<std::pair<int, int>, Interface> compared;
+  if (ranks.size() > 1)
+  {
+    std::map<Key, std::vector<BlockFace>> before;
+    std::vector<std::array<BlockFace, 2>> pairs;
+    for (const auto& [key, at] : faces)
+    {
+      for (const BlockFace& other : before[key])
       {
-        candidates.push_back({ b, f });
+        pairs.push_back({ other, at });
       }
-      else
+      before[key].push_back(at);
+    }
+    const FaceValues fetched = this->fetchFaces(pairs, ranks);
+    std::vector<Interface> own;
+    for (const auto& pair : pairs)
+    {
+      if (this->isHere(pair[0].block))
       {
-        contacts.push_back(contact);
-        candidates.erase(found);
+        own.push_back(contactOf(pair[0], pair[1], fetched));
       }
+    }
+    for (const Interface& contact : ranks.gatherAll(own))
+    {
+      compared[{ 6 * contact.blockA + contact.faceA, 6 * contact.blockB + contact.faceB }] = contact;
+    }
+  }
+
+  std::map<Key, std::vector<BlockFace>> waiting;
+  std::vector<Interface> contacts;
+  for (const auto& [key, face] : faces)
+  {
+    const BlockFace at = face;
+    std::vector<BlockFace>& candidates = waiting[key];
+    Interface contact;
+    const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const BlockFace& other) {
+      contact = ranks.size() > 1 ? compared[{ number(other), number(at) }] : contactOf(other, at, {});
+      return contact.orientation < 8;
+    });
+    if (found == candidates.end())
+    {
+      candidates.push_back(at);
+    }
+    else
+    {
+      contacts.push_back(contact);
+      candidates.erase(found);
     }
   }
   return contacts;
 }
 
-/// Calls visit(a, b) with the pairs of surface points that a contact brings together, until it returns false.
+/// Calls visit(s, t, m) with the points (s, t) and m of the two faces that a contact brings together, until it returns
+/// false.
 template <typename Visitor>
 void BezierExtraction::overContact(const Interface& contact, Visitor&& visit) const
 {
@@ -334,9 +467,7 @@ void BezierExtraction::overContact(const Interface& contact, Visitor&& visit) co
   {
     for (int s = 0; s <= ns; ++s)
     {
-      const std::array<int, 2> m = mapFacePoint(contact.orientation, s, t, ns, nt);
-      if (!visit(this->surfacePoint({ contact.blockA, contact.faceA }, s, t),
-            this->surfacePoint({ contact.blockB, contact.faceB }, m[0], m[1])))
+      if (!visit(s, t, mapFacePoint(contact.orientation, s, t, ns, nt)))
       {
         return;
       }
@@ -344,30 +475,149 @@ void BezierExtraction::overContact(const Interface& contact, Visitor&& visit) co
   }
 }
 
-bool BezierExtraction::coincide(const Interface& contact) const
+bool BezierExtraction::coincide(const Interface& contact, const FaceValues& fetched) const
 {
+  const BlockFace a{ contact.blockA, contact.faceA };
+  const BlockFace b{ contact.blockB, contact.faceB };
   bool same = this->faceCountsFit(contact);
   if (same)
   {
-    this->overContact(contact, [&](Index a, Index b) {
-      same = this->equal(a, contact.blockA, b, contact.blockB);
+    this->overContact(contact, [&](int s, int t, const std::array<int, 2>& m) {
+      same = this->equal(this->valueAt(a, s, t, fetched), a.block, this->valueAt(b, m[0], m[1], fetched), b.block);
       return same;
     });
   }
   return same;
 }
 
-void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCells cells)
+/// Continues groups of equal points across the borders of ranks: their first points get the smallest value of all, and
+/// groups that are one through other ranks are united. Collective.
+void BezierExtraction::shareGroups(const std::vector<Interface>& contacts, UnionFind& groups, const Ranks& ranks)
 {
+  /// What is known of a group, here and elsewhere.
+  struct Group
+  {
+    std::array<double, 4> value{}; ///< the smallest
+    Index origin = -1;             ///< the first point that has it, in the numbers of all ranks
+    Index first = -1;              ///< the first of all its points
+
+    bool offer(const Group& other)
+    {
+      const bool smaller =
+        this->origin < 0 || other.value < this->value || (!(this->value < other.value) && other.origin < this->origin);
+      if (smaller)
+      {
+        this->value = other.value;
+        this->origin = other.origin;
+      }
+      const bool earlier = this->first < 0 || other.first < this->first;
+      this->first = earlier ? other.first : this->first;
+      return smaller || earlier;
+    }
+  };
+  /// The points of a contact with another rank that are equal.
+  struct Border
+  {
+    int rank;
+    std::vector<Index> points; ///< here
+  };
   const int size = this->Rational ? 4 : 3;
-  const Index surfacePoints = this->Surface.pointCount();
-  UnionFind groups(surfacePoints);
+
+  std::vector<const Interface*> between;
+  std::vector<std::array<BlockFace, 2>> pairs;
   for (const Interface& contact : contacts)
   {
-    if (this->faceCountsFit(contact))
+    if (this->Volumes[contact.blockA].rank != this->Volumes[contact.blockB].rank && this->faceCountsFit(contact))
     {
-      this->overContact(contact, [&](Index a, Index b) {
-        if (this->equal(a, contact.blockA, b, contact.blockB))
+      between.push_back(&contact);
+      pairs.push_back({ BlockFace{ contact.blockA, contact.faceA }, BlockFace{ contact.blockB, contact.faceB } });
+    }
+  }
+  std::vector<Border> borders;
+  std::map<Index, Group> known; // by the first point here
+  const FaceValues fetched = this->fetchFaces(pairs, ranks);
+  for (std::size_t n = 0; n < pairs.size(); ++n)
+  {
+    const auto& [a, b] = pairs[n];
+    if (!this->isHere(a.block) && !this->isHere(b.block))
+    {
+      continue;
+    }
+    borders.push_back({ this->Volumes[this->isHere(a.block) ? b.block : a.block].rank, {} });
+    this->overContact(*between[n], [&, &a = a, &b = b](int s, int t, const std::array<int, 2>& m) {
+      if (this->equal(this->valueAt(a, s, t, fetched), a.block, this->valueAt(b, m[0], m[1], fetched), b.block))
+      {
+        const Index point = this->isHere(a.block) ? this->surfacePoint(a, s, t) : this->surfacePoint(b, m[0], m[1]);
+        borders.back().points.push_back(point);
+        known[groups.find(point)];
+      }
+      return true;
+    });
+  }
+  for (int block = 0; block < static_cast<int>(this->Volumes.size()); ++block)
+  {
+    const Index first = this->Surface.firstPoint(block);
+    const Index points = this->isHere(block) ? this->Surface.firstPoint(block + 1) - first : 0;
+    for (Index i = 0; i < points; ++i)
+    {
+      const auto found = known.find(groups.find(this->Start[block] + i));
+      if (found != known.end())
+      {
+        Group own;
+        std::copy_n(this->SurfaceValues.data() + size * (this->Start[block] + i), size, own.value.data());
+        own.origin = own.first = first + i;
+        found->second.offer(own);
+      }
+    }
+  }
+
+  // Until nobody learns anything: as often as there are borders between the ranks around a block edge or corner.
+  for (bool news = true; ranks.any(news);)
+  {
+    std::vector<std::vector<Group>> toRank(ranks.size());
+    for (const Border& border : borders)
+    {
+      for (const Index point : border.points)
+      {
+        toRank[border.rank].push_back(known[groups.find(point)]);
+      }
+    }
+    const std::vector<std::vector<Group>> received = ranks.exchange(toRank);
+    std::vector<std::size_t> next(ranks.size(), 0);
+    news = false;
+    for (const Border& border : borders)
+    {
+      for (const Index point : border.points)
+      {
+        news = known[groups.find(point)].offer(received[border.rank][next[border.rank]++]) || news;
+      }
+    }
+  }
+  std::map<Index, Index> firstHere;
+  for (const auto& [point, group] : known)
+  {
+    std::copy_n(group.value.data(), size, this->SurfaceValues.data() + size * point);
+    const auto [entry, added] = firstHere.emplace(group.first, point);
+    if (!added)
+    {
+      groups.unite(entry->second, point);
+    }
+  }
+}
+
+void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCells cells, const Ranks& ranks)
+{
+  const int size = this->Rational ? 4 : 3;
+  UnionFind groups(this->SurfacePoints);
+  for (const Interface& contact : contacts)
+  {
+    if (this->isHere(contact.blockA) && this->isHere(contact.blockB) && this->faceCountsFit(contact))
+    {
+      this->overContact(contact, [&](int s, int t, const std::array<int, 2>& m) {
+        const Index a = this->surfacePoint({ contact.blockA, contact.faceA }, s, t);
+        const Index b = this->surfacePoint({ contact.blockB, contact.faceB }, m[0], m[1]);
+        const double* values = this->SurfaceValues.data();
+        if (this->equal(values + size * a, contact.blockA, values + size * b, contact.blockB))
         {
           groups.unite(a, b);
         }
@@ -375,8 +625,12 @@ void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCell
       });
     }
   }
+  if (ranks.size() > 1)
+  {
+    this->shareGroups(contacts, groups, ranks);
+  }
   // Of values that differ by rounding the smallest is taken: no order of blocks decides.
-  for (Index i = 0; i < surfacePoints; ++i)
+  for (Index i = 0; i < this->SurfacePoints; ++i)
   {
     double* first = this->SurfaceValues.data() + size * groups.find(i);
     const double* other = this->SurfaceValues.data() + size * i;
@@ -387,7 +641,7 @@ void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCell
   }
 
   const bool volume = cells == BezierCells::Volume;
-  std::vector<bool> used(static_cast<std::size_t>(surfacePoints), volume);
+  std::vector<bool> used(static_cast<std::size_t>(this->SurfacePoints), volume);
   if (!volume)
   {
     std::vector<std::array<bool, 6>> left(this->Volumes.size(), { false, false, false, false, false, false });
@@ -403,7 +657,7 @@ void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCell
     {
       for (int f = 0; f < 6; ++f)
       {
-        if (left[b][f])
+        if (left[b][f] || !this->isHere(b))
         {
           continue;
         }
@@ -418,8 +672,8 @@ void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCell
       }
     }
   }
-  this->SurfaceNumbers.assign(static_cast<std::size_t>(surfacePoints), -1);
-  for (Index i = 0; i < surfacePoints; ++i)
+  this->SurfaceNumbers.assign(static_cast<std::size_t>(this->SurfacePoints), -1);
+  for (Index i = 0; i < this->SurfacePoints; ++i)
   {
     const Index first = groups.find(i);
     if (used[first])
@@ -429,10 +683,11 @@ void BezierExtraction::number(const std::vector<Interface>& contacts, BezierCell
   }
   if (volume)
   {
-    for (const Ijk& n : this->Counts)
+    for (int b = 0; b < static_cast<int>(this->Volumes.size()); ++b)
     {
+      const Ijk& n = this->Counts[b];
       this->InsideStart.push_back(this->PointCount);
-      this->PointCount += Index(n[0] - 2) * (n[1] - 2) * (n[2] - 2);
+      this->PointCount += this->isHere(b) ? Index(n[0] - 2) * (n[1] - 2) * (n[2] - 2) : 0;
     }
   }
 }
@@ -441,7 +696,7 @@ void BezierExtraction::evaluate(double* points, double* weights, const Execution
 {
   const int size = this->Rational ? 4 : 3;
   // A group's values are those of its first point, which comes last here.
-  for (Index i = this->Surface.pointCount() - 1; i >= 0; --i)
+  for (Index i = this->SurfacePoints - 1; i >= 0; --i)
   {
     const Index number = this->SurfaceNumbers[i];
     if (number >= 0)
@@ -465,7 +720,7 @@ void BezierExtraction::evaluate(double* points, double* weights, const Execution
       tables[d] = this->Tables[b][d].slice(1, this->Counts[b][d] - 1);
       inside *= tables[d].rows();
     }
-    if (inside == 0)
+    if (inside == 0 || !this->isHere(static_cast<int>(b)))
     {
       continue;
     }

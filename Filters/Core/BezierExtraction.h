@@ -5,6 +5,10 @@
 /// n non-empty spans of degree p give n p + 1 Bezier points in a direction, cells sharing those between them. Points at
 /// which blocks meet are shared as well, so that the cells of the whole volume are connected.
 ///
+/// With several ranks each has the cells of its blocks, or of the faces of its blocks, and their points. Points at the
+/// borders between ranks are on all of these ranks, with the same bits; what is shared within a rank is what is shared
+/// in the whole.
+///
 /// Points at which blocks meet have the same bits from either block under the conditions of TensorPasses.h; then no
 /// numbering, orientation or number of threads matters.
 #pragma once
@@ -14,8 +18,13 @@
 #include "BlockSurface.h"
 #include "TensorPasses.h"
 
+#include <map>
+
 namespace bsv
 {
+
+class Ranks;
+class UnionFind;
 
 enum class BezierCells
 {
@@ -57,40 +66,53 @@ public:
   const Ijk& counts(int block) const { return this->Counts[block]; }
   const Ijk& spans(int block) const { return this->Spans[block]; }
 
-  /// All points, each counted once.
+  /// All points of this rank, each counted once.
   Index pointCount() const { return this->PointCount; }
-  /// Number of Bezier point `p` of a block, or -1 if it belongs to no cell.
+  /// Number of Bezier point `p` of a block on this rank, or -1 if it belongs to no cell.
   Index point(int block, const Ijk& p) const;
 
-  /// The faces that are cells, in the order of blocks and faces; empty for BezierCells::Volume.
+  /// The faces of blocks on this rank that are cells, in the order of blocks and faces; empty for BezierCells::Volume.
   const std::vector<BlockFace>& faces() const { return this->Faces; }
 
   /// @param[out] points pointCount() triples.
   /// @param[out] weights pointCount() numbers if rational(), else not used.
+  /// Not collective.
   /// @throws Aborted
   void evaluate(double* points, double* weights, const Execution& run = {}) const;
 
 private:
+  /// Points of faces of blocks on other ranks, by 6 * block + face, first face axis fastest.
+  using FaceValues = std::map<int, std::vector<double>>;
+
+  bool isHere(int block) const { return this->Volumes[block].rank == this->Rank; }
+  Index surfacePoint(int block, const Ijk& p) const;
   Index surfacePoint(const BlockFace& at, int s, int t) const;
   void evaluateBox(
     int block, const std::array<WeightTable, 3>& tables, double* homogeneous, const Execution& run) const;
   void evaluateSurfaces(const Execution& run);
   Ijk cornerOf(int block, int corner) const;
-  bool equal(Index a, int blockA, Index b, int blockB) const;
+  bool equal(const double* x, int blockA, const double* y, int blockB) const;
   bool faceCountsFit(const Interface& contact) const;
   template <typename Visitor>
   void overContact(const Interface& contact, Visitor&& visit) const;
-  bool coincide(const Interface& contact) const;
-  std::vector<Interface> coincidentFaces() const;
-  void number(const std::vector<Interface>& contacts, BezierCells cells);
+  FaceValues fetchFaces(const std::vector<std::array<BlockFace, 2>>& pairs, const Ranks& ranks) const;
+  const double* valueAt(const BlockFace& at, int s, int t, const FaceValues& fetched) const;
+  bool coincide(const Interface& contact, const FaceValues& fetched) const;
+  std::vector<Interface> coincidentFaces(const Ranks& ranks) const;
+  void shareGroups(const std::vector<Interface>& contacts, UnionFind& groups, const Ranks& ranks);
+  void number(const std::vector<Interface>& contacts, BezierCells cells, const Ranks& ranks);
 
   const std::vector<BSplineVolume>& Volumes;
+  int Rank = 0;
   bool Rational = false;
   std::vector<Ijk> Counts;
   std::vector<Ijk> Spans;
   std::vector<std::array<WeightTable, 3>> Tables;
-  /// Bezier points on the surfaces of the blocks, before any are shared, and their numbers.
+  /// Bezier points on the surfaces of all blocks, before any are shared.
   SurfaceNumbering Surface;
+  /// Those of the blocks on this rank, one block after the other, and their final numbers.
+  Index SurfacePoints = 0;
+  std::vector<Index> Start;          ///< per block
   std::vector<double> SurfaceValues; ///< x, y, z and, if rational, the weight
   std::vector<double> Tolerances;    ///< per block
   std::vector<Index> SurfaceNumbers;

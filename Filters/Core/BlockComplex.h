@@ -123,6 +123,8 @@ struct BlockComplex
   /// Memory behind the views of the blocks whose points had to be welded. Empty if all copies of every shared point
   /// were equal bit for bit.
   std::vector<std::shared_ptr<std::vector<double>>> weldedPoints;
+  /// Points that were moved (BodyFit.h), which the views of their blocks show.
+  std::vector<std::shared_ptr<ChangedPoints>> changedPoints;
 };
 
 /// Builds the complex: glues, cuts blocks along partial contacts, boundary borders and creases until all contacts are

@@ -6,6 +6,8 @@
 #include "EntityRules.h"
 #include "LayerRules.h"
 #include "OrderFreeSum.h"
+#include "OwnedValues.h"
+#include "SparseArray.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +29,13 @@ struct PointAt
   Ijk ijk;
 };
 
-/// Mesh points of the wall, numbered once each.
+/// What ranks send of a point or vector.
+using Triple = std::array<double, 3>;
+
+Triple triple(const Vec3& x) { return { x[0], x[1], x[2] }; }
+Vec3 vec3(const Triple& x) { return Vec3(x[0], x[1], x[2]); }
+
+/// Mesh points of the wall, numbered once each: the same on all ranks.
 class Wall
 {
 public:
@@ -54,7 +62,17 @@ public:
   }
   const std::vector<int>& faces() const { return this->Faces; }
   Index size() const { return static_cast<Index>(this->Places.size()); }
-  Vec3 point(Index id) const { return this->Complex.blocks[this->Places[id].block].points(this->Places[id].ijk); }
+  /// All points, each from the rank that has it.
+  std::vector<Vec3> points(const Ranks& ranks) const
+  {
+    const std::vector<ComplexBlock>& blocks = this->Complex.blocks;
+    const std::vector<Triple> all = gatherFromOwners<Triple>(
+      ranks, this->Places.size(), [&](std::size_t i) { return blocks[this->Places[i].block].rank; },
+      [&](std::size_t i) { return triple(blocks[this->Places[i].block].points(this->Places[i].ijk)); });
+    std::vector<Vec3> points(all.size());
+    std::transform(all.begin(), all.end(), points.begin(), vec3);
+    return points;
+  }
 
   /// Number of mesh point (s, t) of a block's wall face.
   Index id(int block, int face, int s, int t) const
@@ -466,64 +484,210 @@ struct Displacement
   }
 };
 
-/// Displacements of all blocks that are reached; a block's array is empty until then.
+/// A mesh point that blocks share: of a face at (s, t) of its first block's face, of an edge s steps from its first
+/// vertex, or a vertex.
+struct SharedPoint
+{
+  enum Kind
+  {
+    Face,
+    Edge,
+    Vertex
+  };
+  Kind kind;
+  int entity;
+  int s, t;
+};
+
+/// Displacements of the blocks of this rank.
 class Displacements
 {
 public:
-  explicit Displacements(const BlockComplex& complex)
+  Displacements(const BlockComplex& complex, const Ranks& ranks)
     : Complex(complex)
-    , Values(complex.blocks.size())
+    , Group(ranks)
   {
-  }
-
-  Displacement& at(int block, const Ijk& ijk)
-  {
-    const auto& counts = this->Complex.blocks[block].points.counts();
-    if (this->Values[block].empty())
+    for (int b = 0; b < static_cast<int>(complex.blocks.size()); ++b)
     {
-      this->Values[block].resize(this->Complex.blocks[block].points.size());
+      const ComplexBlock& block = complex.blocks[b];
+      this->Grids.resize(std::max<std::size_t>(this->Grids.size(), block.parent + 1));
+      Index& size = this->Grids[block.parent].size;
+      size = std::max(size, this->place({ b, { block.cells(0), block.cells(1), block.cells(2) } }) + 1);
     }
-    return this->Values[block][ijk[0] + Index(counts[0]) * (ijk[1] + Index(counts[1]) * ijk[2])];
+    for (Grid& grid : this->Grids)
+    {
+      grid.offsets = std::make_shared<ChangedPoints>(grid.size);
+    }
   }
-  bool reaches(int block) const { return !this->Values[block].empty(); }
 
-  /// Gives all copies of every shared point the largest of their displacements.
+  bool isHere(int block) const { return this->Complex.blocks[block].rank == this->Group.rank(); }
+  /// Makes the displacement of a point at least so large.
+  void raise(const PointAt& point, const Displacement& displacement)
+  {
+    Grid& grid = this->Grids[this->Complex.blocks[point.block].parent];
+    const Index at = this->place(point);
+    Vec3& offset = grid.offsets->at(at, [](Index) { return Vec3(Vec3::Zero()); });
+    grid.weights.resize(grid.offsets->slots(), 0.0);
+    double& weight = grid.weights[grid.offsets->slot(at)];
+    if (Displacement{ weight, offset } < displacement)
+    {
+      weight = displacement.weight;
+      offset = displacement.offset;
+    }
+  }
+
+  /// Gives all copies of every shared point, on all ranks, the largest of their displacements.
   void share()
   {
-    for (const ComplexFace& face : this->Complex.faces)
-    {
-      if (face.uses.size() != 2 || (!this->reaches(face.uses[0].block) && !this->reaches(face.uses[1].block)))
+    std::vector<std::vector<Message>> toRank(this->Group.size());
+    this->Group.together([&] {
+      for (int f = 0; f < static_cast<int>(this->Complex.faces.size()); ++f)
       {
-        continue;
-      }
-      const auto cells = [&](const FaceUse& use) {
-        const ComplexBlock& block = this->Complex.blocks[use.block];
-        return Ijk{ block.cells(0), block.cells(1), block.cells(2) };
-      };
-      const Ijk cellsA = cells(face.uses[0]), cellsB = cells(face.uses[1]);
-      const int ns = cellsA[faceAxis(face.uses[0].face, 0)];
-      const int nt = cellsA[faceAxis(face.uses[0].face, 1)];
-      for (int t = 1; t < nt; ++t)
-      {
-        for (int s = 1; s < ns; ++s)
+        const ComplexFace& face = this->Complex.faces[f];
+        if (!face.boundary() && this->reachesAny(face.uses))
         {
-          const auto st = mapFacePoint(face.orientation, s, t, ns, nt);
-          this->unite({ { face.uses[0].block, facePoint(cellsA, face.uses[0].face, s, t) },
-            { face.uses[1].block, facePoint(cellsB, face.uses[1].face, st[0], st[1]) } });
+          const FaceUse& use = face.uses.front();
+          const ComplexBlock& block = this->Complex.blocks[use.block];
+          for (int t = 1; t < block.cells(faceAxis(use.face, 1)); ++t)
+          {
+            for (int s = 1; s < block.cells(faceAxis(use.face, 0)); ++s)
+            {
+              this->unite({ SharedPoint::Face, f, s, t }, toRank);
+            }
+          }
+        }
+      }
+      for (int e = 0; e < static_cast<int>(this->Complex.edges.size()); ++e)
+      {
+        const ComplexEdge& edge = this->Complex.edges[e];
+        for (int k = 1; k < edge.cells && this->reachesAny(edge.uses); ++k)
+        {
+          this->unite({ SharedPoint::Edge, e, k, 0 }, toRank);
+        }
+      }
+      for (int v = 0; v < static_cast<int>(this->Complex.vertices.size()); ++v)
+      {
+        if (this->reachesAny(this->Complex.vertices[v].corners))
+        {
+          this->unite({ SharedPoint::Vertex, v, 0, 0 }, toRank);
+        }
+      }
+    });
+    for (const std::vector<Message>& messages : this->Group.exchange(toRank))
+    {
+      for (const Message& message : messages)
+      {
+        for (const PointAt& copy : this->copies(message.point))
+        {
+          if (this->isHere(copy.block))
+          {
+            this->raise(copy, { message.weight, vec3(message.offset) });
+          }
         }
       }
     }
-    for (const ComplexEdge& edge : this->Complex.edges)
+  }
+
+  /// Moves the points. The offsets become the moved points, which takes no more memory.
+  void apply(BlockComplex& complex)
+  {
+    std::map<int, std::vector<ComplexBlock*>> piecesOf;
+    for (int b = 0; b < static_cast<int>(complex.blocks.size()); ++b)
     {
-      for (int k = 1; k < edge.cells; ++k)
+      if (this->reaches(b))
       {
-        std::vector<PointAt> copies;
+        piecesOf[complex.blocks[b].parent].push_back(&complex.blocks[b]);
+      }
+    }
+    for (const auto& [parent, pieces] : piecesOf)
+    {
+      const Grid& grid = this->Grids[parent];
+      ChangedPoints& points = *grid.offsets;
+      const GridView before = pieces.front()->points;
+      const auto unmoved = [&](Index i) { return before.atOffset(i - before.start()); };
+      points.forEach([&](Index i, Vec3& offset) {
+        const Vec3 x = unmoved(i);
+        offset += x;
+        if (grid.weights[points.slot(i)] == 0.0)
+        {
+          offset = x; // keeps the sign of zeros
+        }
+      });
+      for (Index i = 0; before.changes() && i < grid.size; ++i)
+      {
+        if (before.changes()->find(i))
+        {
+          points.at(i, unmoved);
+        }
+      }
+      for (ComplexBlock* piece : pieces)
+      {
+        piece->points = piece->points.changed(&points);
+      }
+      complex.changedPoints.push_back(grid.offsets);
+    }
+  }
+
+private:
+  struct Message
+  {
+    SharedPoint point;
+    double weight;
+    Triple offset;
+  };
+
+  /// Displacements of a block of the mesh, of which blocks of the complex are pieces, by the points' places in memory.
+  struct Grid
+  {
+    Index size = 0;
+    std::shared_ptr<ChangedPoints> offsets;
+    /// Per slot of `offsets`.
+    std::vector<double> weights;
+  };
+
+  Index place(const PointAt& point) const
+  {
+    const GridView& points = this->Complex.blocks[point.block].points;
+    return points.start() + points.offset(point.ijk);
+  }
+  bool reaches(int block) const { return !this->Grids[this->Complex.blocks[block].parent].weights.empty(); }
+  template <typename Use>
+  bool reachesAny(const std::vector<Use>& uses) const
+  {
+    return std::any_of(uses.begin(), uses.end(), [&](const Use& use) { return this->reaches(use.block); });
+  }
+
+  std::vector<PointAt> copies(const SharedPoint& point) const
+  {
+    std::vector<PointAt> copies;
+    switch (point.kind)
+    {
+      case SharedPoint::Face:
+      {
+        const ComplexFace& face = this->Complex.faces[point.entity];
+        std::array<int, 2> st{ point.s, point.t }, cells{ 0, 0 };
+        for (const FaceUse& use : face.uses)
+        {
+          const ComplexBlock& block = this->Complex.blocks[use.block];
+          if (!copies.empty())
+          {
+            st = mapFacePoint(face.orientation, point.s, point.t, cells[0], cells[1]);
+          }
+          cells = { block.cells(faceAxis(use.face, 0)), block.cells(faceAxis(use.face, 1)) };
+          copies.push_back(
+            { use.block, facePoint({ block.cells(0), block.cells(1), block.cells(2) }, use.face, st[0], st[1]) });
+        }
+        break;
+      }
+      case SharedPoint::Edge:
+      {
+        const ComplexEdge& edge = this->Complex.edges[point.entity];
         for (const EdgeUse& use : edge.uses)
         {
           const ComplexBlock& block = this->Complex.blocks[use.block];
           const int along = edgeDirection(use.edge);
           Ijk ijk;
-          ijk[along] = use.reversed ? edge.cells - k : k;
+          ijk[along] = use.reversed ? edge.cells - point.s : point.s;
           for (int axis = 0; axis < 2; ++axis)
           {
             const int d = faceAxis(2 * along, axis);
@@ -531,153 +695,139 @@ public:
           }
           copies.push_back({ use.block, ijk });
         }
-        this->unite(copies);
+        break;
       }
-    }
-    for (const ComplexVertex& vertex : this->Complex.vertices)
-    {
-      std::vector<PointAt> copies;
-      for (const CornerUse& use : vertex.corners)
-      {
-        const ComplexBlock& block = this->Complex.blocks[use.block];
-        Ijk ijk;
-        for (int d = 0; d < 3; ++d)
+      case SharedPoint::Vertex:
+        for (const CornerUse& use : this->Complex.vertices[point.entity].corners)
         {
-          ijk[d] = cornerSide(use.corner, d) ? block.cells(d) : 0;
+          const ComplexBlock& block = this->Complex.blocks[use.block];
+          Ijk ijk;
+          for (int d = 0; d < 3; ++d)
+          {
+            ijk[d] = cornerSide(use.corner, d) ? block.cells(d) : 0;
+          }
+          copies.push_back({ use.block, ijk });
         }
-        copies.push_back({ use.block, ijk });
-      }
-      this->unite(copies);
+        break;
     }
+    return copies;
   }
 
-private:
-  void unite(const std::vector<PointAt>& copies)
+  /// Gives the copies on this rank the largest of their displacements, and tells it to the ranks that have others.
+  void unite(const SharedPoint& point, std::vector<std::vector<Message>>& toRank)
   {
+    const std::vector<PointAt> copies = this->copies(point);
     Displacement largest;
     for (const PointAt& copy : copies)
     {
-      if (this->reaches(copy.block))
+      const Grid& grid = this->Grids[this->Complex.blocks[copy.block].parent];
+      const Vec3* offset = grid.offsets->find(this->place(copy));
+      if (offset)
       {
-        largest = std::max(largest, this->at(copy.block, copy.ijk));
+        largest = std::max(largest, { grid.weights[grid.offsets->slot(this->place(copy))], *offset });
       }
     }
-    if (largest.weight > 0.0)
+    if (largest.weight == 0.0)
     {
-      for (const PointAt& copy : copies)
+      return;
+    }
+    std::set<int> told;
+    for (const PointAt& copy : copies)
+    {
+      const int rank = this->Complex.blocks[copy.block].rank;
+      if (rank == this->Group.rank())
       {
-        this->at(copy.block, copy.ijk) = largest;
+        this->raise(copy, largest);
+      }
+      else if (told.insert(rank).second)
+      {
+        toRank[rank].push_back({ point, largest.weight, triple(largest.offset) });
       }
     }
   }
 
   const BlockComplex& Complex;
-  std::vector<std::vector<Displacement>> Values;
+  const Ranks& Group;
+  std::vector<Grid> Grids;
 };
 
-/// Carries the displacement of one wall point along its mesh line, from block to block.
-void carry(const BlockComplex& complex, int block, int face, int s, int t, const Vec3& offset, double reach,
-  Displacements& displacements)
+/// The mesh line of a wall point, where it enters a block.
+struct MeshLine
 {
-  double distance = 0.0;
-  for (std::size_t steps = 0; steps <= complex.blocks.size(); ++steps)
+  int block, face, s, t;
+  /// Blocks that it came through, and its length there.
+  int passed;
+  double distance;
+  /// Displacement of the wall point, and how far it is carried.
+  Triple offset;
+  double reach;
+};
+
+/// Carries the displacement through a block.
+/// @return whether it goes on into another one: `line` then enters that.
+bool passBlock(const BlockComplex& complex, MeshLine& line, Displacements& displacements)
+{
+  const ComplexBlock& owner = complex.blocks[line.block];
+  const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+  const int normal = faceDirection(line.face);
+  const Vec3 offset = vec3(line.offset);
+  Ijk ijk = facePoint(cells, line.face, line.s, line.t);
+  Vec3 below = owner.points(ijk);
+  for (int k = 0; k <= cells[normal]; ++k)
   {
-    const ComplexBlock& owner = complex.blocks[block];
-    const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
-    const int normal = faceDirection(face);
-    Ijk ijk = facePoint(cells, face, s, t);
-    Vec3 below = owner.points(ijk);
-    for (int k = 0; k <= cells[normal]; ++k)
+    ijk[normal] = faceSide(line.face) ? cells[normal] - k : k;
+    const Vec3 here = owner.points(ijk);
+    line.distance += (here - below).norm();
+    below = here;
+    const double weight = line.distance == 0.0 ? 1.0
+      : line.distance < line.reach             ? 1.0 - line.distance / line.reach
+                                               : 0.0;
+    if (weight == 0.0)
     {
-      ijk[normal] = faceSide(face) ? cells[normal] - k : k;
-      const Vec3 here = owner.points(ijk);
-      distance += (here - below).norm();
-      below = here;
-      const double weight = distance == 0.0 ? 1.0 : distance < reach ? 1.0 - distance / reach : 0.0;
-      if (weight == 0.0)
-      {
-        return;
-      }
-      Displacement& target = displacements.at(block, ijk);
-      target = std::max(target, Displacement{ weight, weight * offset });
+      return false;
     }
-    const FaceContact contact = contactOf(complex, block, face ^ 1);
-    if (contact.block < 0)
-    {
-      return;
-    }
-    const auto st =
-      mapFacePoint(contact.orientation, s, t, cells[faceAxis(face, 0)], cells[faceAxis(face, 1)]);
-    block = contact.block;
-    face = contact.face;
-    s = st[0];
-    t = st[1];
+    displacements.raise({ line.block, ijk }, { weight, weight * offset });
   }
+  const FaceContact contact = contactOf(complex, line.block, line.face ^ 1);
+  if (contact.block < 0 || ++line.passed > static_cast<int>(complex.blocks.size()))
+  {
+    return false;
+  }
+  const auto st = mapFacePoint(
+    contact.orientation, line.s, line.t, cells[faceAxis(line.face, 0)], cells[faceAxis(line.face, 1)]);
+  line.block = contact.block;
+  line.face = contact.face;
+  line.s = st[0];
+  line.t = st[1];
+  return true;
 }
 
-/// Replaces the points of the blocks that moved by copies in `complex`. All pieces of one block of the mesh share one
-/// array, as their views did.
-void movePoints(BlockComplex& complex, Displacements& displacements)
+/// Carries displacements along mesh lines that start on this rank, from block to block and from rank to rank.
+void carry(
+  const BlockComplex& complex, std::vector<MeshLine> lines, Displacements& displacements, const Ranks& ranks)
 {
-  std::map<int, std::vector<int>> piecesOf;
-  for (int b = 0; b < static_cast<int>(complex.blocks.size()); ++b)
+  do
   {
-    piecesOf[complex.blocks[b].parent].push_back(b);
-  }
-  for (const auto& [parent, pieces] : piecesOf)
-  {
-    if (std::none_of(pieces.begin(), pieces.end(), [&](int b) { return displacements.reaches(b); }))
-    {
-      continue;
-    }
-    std::array<int, 3> counts{ 0, 0, 0 };
-    for (const int b : pieces)
-    {
-      for (int d = 0; d < 3; ++d)
+    std::vector<std::vector<MeshLine>> toRank(ranks.size());
+    ranks.together([&] {
+      for (MeshLine& line : lines)
       {
-        counts[d] = std::max(counts[d], complex.blocks[b].offset[d] + complex.blocks[b].cells(d) + 1);
-      }
-    }
-    const auto memory = std::make_shared<std::vector<double>>(3 * Index(counts[0]) * counts[1] * counts[2]);
-    const GridView whole(memory->data(), counts);
-    for (const int b : pieces)
-    {
-      ComplexBlock& block = complex.blocks[b];
-      const Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
-      for (int k = 0; k <= cells[2]; ++k)
-      {
-        for (int j = 0; j <= cells[1]; ++j)
+        while (passBlock(complex, line, displacements))
         {
-          for (int i = 0; i <= cells[0]; ++i)
+          if (!displacements.isHere(line.block))
           {
-            Vec3 point = block.points(i, j, k);
-            if (displacements.reaches(b))
-            {
-              const Displacement& displacement = displacements.at(b, { i, j, k });
-              if (displacement.weight > 0.0)
-              {
-                point += displacement.offset;
-              }
-            }
-            const Index at =
-              i + block.offset[0] + counts[0] * (j + block.offset[1] + Index(counts[1]) * (k + block.offset[2]));
-            std::copy_n(point.data(), 3, memory->data() + 3 * at);
+            toRank[complex.blocks[line.block].rank].push_back(line);
+            break;
           }
         }
       }
-    }
-    for (const int b : pieces)
+    });
+    lines.clear();
+    for (const std::vector<MeshLine>& part : ranks.exchange(toRank))
     {
-      ComplexBlock& block = complex.blocks[b];
-      Ijk last;
-      for (int d = 0; d < 3; ++d)
-      {
-        last[d] = block.offset[d] + block.cells(d);
-      }
-      block.points = whole.box(block.offset, last);
+      lines.insert(lines.end(), part.begin(), part.end());
     }
-    complex.weldedPoints.push_back(memory);
-  }
+  } while (ranks.any(!lines.empty()));
 }
 
 } // namespace
@@ -694,23 +844,21 @@ WallDistances wallDistances(const BlockComplex& complex, const ConversionOptions
     return result;
   }
   const LimitRows rows(complex, rules, wall);
-  std::vector<Vec3> points(wall.size());
+  const std::vector<Vec3> points = wall.points(*run.ranks);
   Eigen::AlignedBox3d box;
-  for (Index i = 0; i < wall.size(); ++i)
+  for (const Vec3& point : points)
   {
-    points[i] = wall.point(i);
-    box.extend(points[i]);
+    box.extend(point);
   }
-  std::vector<double> inputDistances(wall.size()), limitDistances(wall.size());
-  run.parallelFor(wall.size(), 64, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i)
-    {
-      inputDistances[i] = body.closestPoint(points[i]).distance;
-      limitDistances[i] = body.closestPoint(rows.apply(i, points)).distance;
-    }
+  using Distances = std::array<double, 2>;
+  const std::vector<Distances> distances = sharedOut<Distances>(wall.size(), 64, run, [&](Index i) {
+    return Distances{ body.closestPoint(points[i]).distance, body.closestPoint(rows.apply(i, points)).distance };
   });
-  result.inputPoints = *std::max_element(inputDistances.begin(), inputDistances.end());
-  result.limitPoints = *std::max_element(limitDistances.begin(), limitDistances.end());
+  for (const Distances& distance : distances)
+  {
+    result.inputPoints = std::max(result.inputPoints, distance[0]);
+    result.limitPoints = std::max(result.limitPoints, distance[1]);
+  }
   const double size = box.diagonal().norm();
   if (!(result.inputPoints <= 0.2 * size))
   {
@@ -783,26 +931,25 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     });
   };
 
-  std::vector<Vec3> given(wall.size()), target(wall.size());
+  const std::vector<Vec3> given = wall.points(*run.ranks);
+  std::vector<Vec3> target = given;
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
-  for (Index i = 0; i < wall.size(); ++i)
+  for (const Vec3& point : given)
   {
-    given[i] = target[i] = wall.point(i);
-    low = low.cwiseMin(given[i]);
-    high = high.cwiseMax(given[i]);
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
   }
   const double size = (high - low).norm();
   if (options.body)
   {
-    forAll([&](Index i) {
+    const std::vector<Triple> targets = sharedOut<Triple>(wall.size(), 256, run, [&](Index i) {
       if (isFixed(i))
       {
-        return;
+        return triple(given[i]);
       }
       const Vec3 point = options.edgesOnly ? limit(i, given) : given[i];
       const BodyPoint closest = options.body->closestPoint(point);
-      target[i] = options.edgesOnly ? point : closest.geometry.point;
       if (rows.onFeature(i))
       {
         // Where the mesh follows an edge of the body, so do its limit points.
@@ -810,10 +957,12 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
         const BodyPoint edge = options.body->closestEdgePoint(point);
         if (edge.patch >= 0 && edge.distance <= closest.distance + Near * rows.spacing(i, given))
         {
-          target[i] = edge.geometry.point;
+          return triple(edge.geometry.point);
         }
       }
+      return triple(options.edgesOnly ? point : closest.geometry.point);
     });
+    std::transform(targets.begin(), targets.end(), target.begin(), vec3);
   }
 
   if (options.body)
@@ -851,7 +1000,7 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
       throw Error("the wall's control points were not found in " + std::to_string(options.iterations) +
         " iterations (Fit Iterations): a limit point is still " + text(report.residual) + " away from its target");
     }
-    run.report(std::min(0.9, report.iterations / 80.0));
+    run.ranks->together([&] { run.report(std::min(0.9, report.iterations / 80.0)); });
     if (report.iterations == 0)
     {
       forAll([&](Index i) { step[i] = residual[i] / Center; });
@@ -867,28 +1016,32 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     report.residual = measure();
   }
 
-  Displacements displacements(complex);
+  Displacements displacements(complex, *run.ranks);
+  std::vector<MeshLine> lines;
   for (const int f : wall.faces())
   {
     const FaceUse& use = complex.faces[f].uses.front();
     const ComplexBlock& owner = complex.blocks[use.block];
-    for (int t = 0; t <= owner.cells(faceAxis(use.face, 1)); ++t)
+    for (int t = 0; t <= owner.cells(faceAxis(use.face, 1)) && displacements.isHere(use.block); ++t)
     {
       for (int s = 0; s <= owner.cells(faceAxis(use.face, 0)); ++s)
       {
         const Index i = wall.id(use.block, use.face, s, t);
-        carry(complex, use.block, use.face, s, t, x[i] - given[i], options.range * rows.spacing(i, given),
-          displacements);
+        lines.push_back({ use.block, use.face, s, t, 0, 0.0, triple(x[i] - given[i]),
+          options.range * rows.spacing(i, given) });
       }
     }
   }
+  carry(complex, std::move(lines), displacements, *run.ranks);
   displacements.share();
   for (Index i = 0; i < wall.size(); ++i)
   {
     report.displacement = std::max(report.displacement, (x[i] - given[i]).norm());
   }
-  movePoints(complex, displacements);
-  run.report(1.0);
+  run.ranks->together([&] {
+    displacements.apply(complex);
+    run.report(1.0);
+  });
   return report;
 }
 

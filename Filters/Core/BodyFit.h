@@ -12,7 +12,7 @@
 namespace bsv
 {
 
-/// How far the wall is from the body.
+/// How far the wall is from the body, on all ranks.
 struct WallDistances
 {
   Index wallPoints = 0;
@@ -44,6 +44,7 @@ struct BodyFitOptions
   double range = 8.0;
 };
 
+/// The same on all ranks.
 struct BodyFitReport
 {
   Index wallPoints = 0;
@@ -55,8 +56,12 @@ struct BodyFitReport
   double displacement = 0.0;
 };
 
-/// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it. The
-/// blocks' views point into new memory owned by `complex` afterwards, where anything moved.
+/// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it: of
+/// the blocks on this rank. Their views show the moved points in place of the stored ones afterwards (GridView::changed,
+/// BlockComplex::changedPoints); memory is needed for the moved points, not for the blocks.
+///
+/// Collective: every rank knows the whole wall, computes a part of the closest points, and sends displacements on along
+/// mesh lines to the ranks of the next blocks. What a rank receives grows with the wall, not with the volume.
 ///
 /// The system L p = t is solved, where L p are the points through which the converted wall passes: the limit masks (3.31),
 /// creases and corners as in the conversion, and around extraordinary vertices what their rules make of them. By Chebyshev

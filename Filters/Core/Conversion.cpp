@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <set>
 
 #ifdef __SSE2__
@@ -59,14 +60,11 @@ void Converter::convertBlock(int block, int slab, bool stream)
 {
   const ComplexBlock& owner = this->Complex.blocks[block];
   const int ni = owner.cells(0), nj = owner.cells(1);
-  const auto copyRows = [&](auto real) {
-    using Real = decltype(real);
-    for (int j = 1; j < nj && ni > 1; ++j)
-    {
-      const Index start = this->index(block, { innerPosition(1), innerPosition(j), innerPosition(slab) });
-      double* target = this->Nets[block].points + 3 * start;
-      const Real* source = owner.points.address<Real>(1, j, slab);
-      const Index count = 3 * Index(ni - 1);
+  for (int j = 1; j < nj && ni > 1; ++j)
+  {
+    const Index start = this->index(block, { innerPosition(1), innerPosition(j), innerPosition(slab) });
+    double* target = this->Nets[block].points + 3 * start;
+    owner.points.forRuns(1, ni - 1, j, slab, [&](const auto* source, Index count) {
       if (stream)
       {
         streamCopy(target, source, count);
@@ -75,16 +73,9 @@ void Converter::convertBlock(int block, int slab, bool stream)
       {
         std::copy_n(source, count, target);
       }
-      std::memset(this->Nets[block].rules + start, static_cast<int>(ControlPointRule::Copied), count / 3);
-    }
-  };
-  if (owner.points.isFloat())
-  {
-    copyRows(float());
-  }
-  else
-  {
-    copyRows(double());
+      target += count;
+    });
+    std::memset(this->Nets[block].rules + start, static_cast<int>(ControlPointRule::Copied), ni - 1);
   }
 }
 
@@ -108,12 +99,17 @@ void Converter::convertFace(int face)
   {
     const GridView* points;
     const ControlNetStorage* net;
+    bool here;
     FaceUse use;
     Plane mesh, control;
 
     Vec3 at(int s, int t, int depth) const { return this->points->atOffset(this->mesh(s, t, depth)); }
     void write(int s, int t, int fromEnd, const Vec3& point, ControlPointRule rule) const
     {
+      if (!this->here)
+      {
+        return;
+      }
       const Index i = this->control(s, t, fromEnd);
       std::copy_n(point.data(), 3, this->net->points + 3 * i);
       this->net->rules[i] = static_cast<std::uint8_t>(rule);
@@ -159,7 +155,7 @@ void Converter::convertFace(int face)
       ijk[normal] = endPosition(faceSide(use.face), fromEnd, cells[normal]);
       return this->index(use.block, ijk);
     });
-    sides.push_back({ &owner.points, &this->Nets[use.block], use, mesh, control });
+    sides.push_back({ &owner.points, &this->Nets[use.block], this->isHere(use.block), use, mesh, control });
   }
 
   const Side& first = sides.front();
@@ -226,8 +222,9 @@ void Converter::placeExtension()
       }
     }
   }
-  const auto forEach = [&](const std::set<int>& set, const auto& body) {
-    const std::vector<int> list(set.begin(), set.end());
+  const auto forEach = [&](const std::set<int>& set, const auto& isLocal, const auto& body) {
+    std::vector<int> list;
+    std::copy_if(set.begin(), set.end(), std::back_inserter(list), isLocal);
     this->Run.parallelFor(static_cast<Index>(list.size()), 4, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
       {
@@ -235,9 +232,15 @@ void Converter::placeExtension()
       }
     });
   };
-  forEach(faces, [&](int face) { this->convertFace(face); });
-  forEach(edges, [&](int edge) { this->convertEdge(edge); });
-  forEach(vertices, [&](int vertex) { this->convertVertex(vertex); });
+  this->Run.ranks->together([&] {
+    forEach(
+      faces, [&](int face) { return this->Stars.hasFace(face); }, [&](int face) { this->convertFace(face); });
+    forEach(
+      edges, [&](int edge) { return this->Stars.hasEdge(edge); }, [&](int edge) { this->convertEdge(edge); });
+    forEach(
+      vertices, [&](int vertex) { return this->Stars.hasVertex(vertex); },
+      [&](int vertex) { this->convertVertex(vertex); });
+  });
   this->SingularNodes = 0;
 
   const auto lastDistance = [&](const FaceUse& use, int s, int t, const Vec3& normal) {
@@ -293,6 +296,7 @@ RuleCounts Converter::countRules(int block) const
 
 ConversionReport Converter::convert()
 {
+  this->collectGiven();
   this->propagateFeet();
   if (!this->Options.wallOnly)
   {
@@ -300,18 +304,16 @@ ConversionReport Converter::convert()
   }
 
   Index controlPoints = 0;
-  for (const ComplexBlock& block : this->Complex.blocks)
-  {
-    controlPoints += Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
-  }
-  const bool stream = controlPoints * Index(3 * sizeof(double)) >= StreamedBytes;
-
   // Slabs of all blocks as one list, so that a few large blocks share the threads as well as many small ones.
   std::vector<Index> firstSlab{ 0 };
   for (const ComplexBlock& block : this->Complex.blocks)
   {
-    firstSlab.push_back(firstSlab.back() + std::max(0, block.cells(2) - 1));
+    const bool here = block.rank == this->Run.ranks->rank();
+    controlPoints += here ? Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3) : 0;
+    firstSlab.push_back(firstSlab.back() + (here ? std::max(0, block.cells(2) - 1) : 0));
   }
+  const bool stream = controlPoints * Index(3 * sizeof(double)) >= StreamedBytes;
+
   std::vector<bool> atWall(this->Complex.vertices.size(), !this->Options.wallOnly);
   if (this->Options.wallOnly)
   {
@@ -349,57 +351,83 @@ ConversionReport Converter::convert()
   const Index slabs = this->Options.wallOnly ? 0 : firstSlab.back();
   for (Index portion = 0; portion < Portions; ++portion)
   {
-    const Index from = slabs * portion / Portions;
-    const Index to = slabs * (portion + 1) / Portions;
-    this->Run.report(0.5 * portion / Portions);
-    this->Run.parallelFor(to - from, 4, [&](Index begin, Index end) {
-      for (Index slab = from + begin; slab < from + end; ++slab)
-      {
-        const auto next = std::upper_bound(firstSlab.begin(), firstSlab.end(), slab);
-        const int block = static_cast<int>(next - firstSlab.begin()) - 1;
-        this->convertBlock(block, static_cast<int>(slab - firstSlab[block]) + 1, stream);
-      }
-      endStream();
+    this->Run.ranks->together([&] {
+      const Index from = slabs * portion / Portions;
+      const Index to = slabs * (portion + 1) / Portions;
+      this->Run.report(0.5 * portion / Portions);
+      this->Run.parallelFor(to - from, 4, [&](Index begin, Index end) {
+        for (Index slab = from + begin; slab < from + end; ++slab)
+        {
+          const auto next = std::upper_bound(firstSlab.begin(), firstSlab.end(), slab);
+          const int block = static_cast<int>(next - firstSlab.begin()) - 1;
+          this->convertBlock(block, static_cast<int>(slab - firstSlab[block]) + 1, stream);
+        }
+        endStream();
+      });
     });
   }
-  this->Run.report(0.5);
-  forEach(this->Complex.faces.size(), 4, [&](int face) {
-    if (touchesWall(this->Complex.faces[face]))
-    {
-      this->convertFace(face);
-    }
+  this->Run.ranks->together([&] {
+    this->Run.report(0.5);
+    forEach(this->Complex.faces.size(), 4, [&](int face) {
+      if (this->Stars.hasFace(face) && touchesWall(this->Complex.faces[face]))
+      {
+        this->convertFace(face);
+      }
+    });
   });
-  this->Run.report(0.7);
-  forEach(this->Complex.edges.size(), 4, [&](int edge) {
-    const std::array<int, 2>& ends = this->Complex.edges[edge].vertices;
-    if (atWall[ends[0]] || atWall[ends[1]])
-    {
-      this->convertEdge(edge);
-    }
+  this->Run.ranks->together([&] {
+    this->Run.report(0.7);
+    forEach(this->Complex.edges.size(), 4, [&](int edge) {
+      const std::array<int, 2>& ends = this->Complex.edges[edge].vertices;
+      if (this->Stars.hasEdge(edge) && (atWall[ends[0]] || atWall[ends[1]]))
+      {
+        this->convertEdge(edge);
+      }
+    });
   });
-  this->Run.report(0.85);
-  forEach(this->Complex.vertices.size(), 4, [&](int vertex) {
-    if (atWall[vertex])
-    {
-      this->convertVertex(vertex);
-    }
+  this->Run.ranks->together([&] {
+    this->Run.report(0.85);
+    forEach(this->Complex.vertices.size(), 4, [&](int vertex) {
+      if (this->Stars.hasVertex(vertex) && atWall[vertex])
+      {
+        this->convertVertex(vertex);
+      }
+    });
   });
-  this->Run.report(0.95);
 
   ConversionReport report;
-  report.singularNodes = this->SingularNodes;
   report.planarFaces = this->Rules.planarFaces;
   this->Layer.describe(report);
   std::vector<RuleCounts> counts(this->Options.wallOnly ? 0 : this->Complex.blocks.size());
-  forEach(counts.size(), 1, [&](int block) { counts[block] = this->countRules(block); });
+  this->Run.ranks->together([&] {
+    this->Run.report(0.95);
+    forEach(counts.size(), 1, [&](int block) {
+      if (this->isHere(block))
+      {
+        counts[block] = this->countRules(block);
+      }
+    });
+    this->Run.report(1.0);
+  });
+  RuleCounts sums{};
   for (const RuleCounts& ofBlock : counts)
   {
     for (std::size_t rule = 0; rule < ofBlock.size(); ++rule)
     {
-      report.controlPoints[rule] += ofBlock[rule];
+      sums[rule] += ofBlock[rule];
     }
   }
-  this->Run.report(1.0);
+  for (const RuleCounts& ofRank : this->Run.ranks->gatherAll(std::vector<RuleCounts>{ sums }))
+  {
+    for (std::size_t rule = 0; rule < ofRank.size(); ++rule)
+    {
+      report.controlPoints[rule] += ofRank[rule];
+    }
+  }
+  for (const Index nodes : this->Run.ranks->gatherAll(std::vector<Index>{ this->SingularNodes }))
+  {
+    report.singularNodes += nodes;
+  }
   return report;
 }
 
@@ -413,24 +441,27 @@ const std::vector<std::string>& controlPointRuleNames()
 ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
   const std::vector<ControlNetStorage>& nets, const Execution& run)
 {
-  if (!(options.planarTolerance >= 0.0))
-  {
-    throw Error("Planar Tolerance " + text(options.planarTolerance) + " is not at least 0");
-  }
-  if (!(options.propagationRange >= 0.0))
-  {
-    throw Error("Propagation Range " + text(options.propagationRange) + " is not at least 0");
-  }
-  if (options.twist == Twist::Literal && !options.body)
-  {
-    throw Error("Twist Literal needs the parameters of a Body, and there is none");
-  }
-  if (nets.size() != complex.blocks.size())
-  {
-    throw Error("there are " + std::to_string(nets.size()) + " control nets for " +
-      std::to_string(complex.blocks.size()) + " blocks");
-  }
-  return Converter(complex, options, nets, run).convert();
+  run.ranks->together([&] {
+    if (!(options.planarTolerance >= 0.0))
+    {
+      throw Error("Planar Tolerance " + text(options.planarTolerance) + " is not at least 0");
+    }
+    if (!(options.propagationRange >= 0.0))
+    {
+      throw Error("Propagation Range " + text(options.propagationRange) + " is not at least 0");
+    }
+    if (options.twist == Twist::Literal && !options.body)
+    {
+      throw Error("Twist Literal needs the parameters of a Body, and there is none");
+    }
+    if (nets.size() != complex.blocks.size())
+    {
+      throw Error("there are " + std::to_string(nets.size()) + " control nets for " +
+        std::to_string(complex.blocks.size()) + " blocks");
+    }
+  });
+  const LocalStars stars(complex, *run.ranks);
+  return Converter(stars, options, nets, run).convert();
 }
 
 } // namespace bsv

@@ -97,7 +97,7 @@ struct ConversionOptions
   std::vector<double> boundaryWallSpacing;
   /// Per block of the mesh: c at every mesh point, i fastest, or null; only points of the wall count, NaN marks those
   /// without a value. It has precedence over all of these. A wall vertex has one c: where boundaries or blocks give
-  /// different ones, their mean.
+  /// different ones, their mean. This and the arrays below: null for blocks of other ranks.
   std::vector<const double*> wallSpacingPoints;
   FarFieldSpacing farFieldSpacing = FarFieldSpacing::SideAverage;
   /// Per block of the mesh, whether it belongs to the far-field extension; blocks attached to it by an edge or a corner
@@ -120,7 +120,8 @@ struct ConversionOptions
   bool wallOnly = false;
 };
 
-/// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller.
+/// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller. Null for
+/// blocks of other ranks.
 struct ControlNetStorage
 {
   double* points = nullptr;
@@ -144,9 +145,11 @@ struct ConversionReport
   std::array<double, 2> wallSpacing{ 2.0 / 3.0, 2.0 / 3.0 };
 };
 
-/// Converts every block. `nets` has one entry per block of the complex.
+/// Converts every block. `nets` has one entry per block of the complex. Collective: every rank converts its own blocks and
+/// gets the report of all.
 /// Shared control points are computed once, by the entity that owns them, from sums that do not depend on the order of
-/// their terms: results are the same bits for any numbering and orientation of the blocks and any `run`.
+/// their terms: results are the same bits for any numbering and orientation of the blocks, any distribution of them
+/// over ranks and any `run`.
 ///
 /// @throws Error for options out of range, Aborted if the caller stops it.
 ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,

@@ -16,11 +16,14 @@
 #include "EntityRules.h"
 #include "FirstLayer.h"
 #include "LayerRules.h"
+#include "LocalStars.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <map>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace bsv
@@ -39,25 +42,29 @@ constexpr int innerPosition(int meshIndex)
 }
 ///@}
 
-/// Each method computes the control points owned by one kind of entity and writes them into all blocks that share it.
+/// Each method computes the control points owned by one kind of entity and writes them into all blocks that share it, of
+/// those of this rank. Other ranks do the same, for theirs.
 /// Different entities may be converted at the same time.
 class Converter
 {
 public:
-  Converter(const BlockComplex& complex, const ConversionOptions& options, const std::vector<ControlNetStorage>& nets,
+  /// The constructor and convert() are collective.
+  Converter(const LocalStars& stars, const ConversionOptions& options, const std::vector<ControlNetStorage>& nets,
     const Execution& run)
-    : Complex(complex)
+    : Stars(stars)
+    , Complex(stars.complex())
     , Options(options)
     , Nets(nets)
     , Run(run)
-    , Rules(classify(complex, options, run))
-    , Layer(complex, options)
+    , Rules(classify(stars, options, run))
+    , Layer(stars.complex(), options, *run.ranks)
   {
   }
 
   ConversionReport convert();
 
 private:
+  bool isHere(int block) const { return this->Complex.blocks[block].rank == this->Run.ranks->rank(); }
   /// Converts the sides to which a far-field extension is attached, and places the extension's first layer after them.
   void placeExtension();
 
@@ -125,8 +132,16 @@ private:
   bool bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const;
   /// The foot of the centre of `points` on the body's patch whose normal is nearest to that of the sectors first..first + size - 1 of `points`.
   bool sectorFoot(const Fan& points, int first, int size, BodyFoot& foot) const;
+  /// Fills GivenPoints and GivenNormals.
+  void collectGiven();
   /// Fills Corrections: carries what a known foot changed at extraordinary body vertices into the layers above them.
   void propagateFeet();
+  /// A run of layers across one edge above an extraordinary body vertex, from one end of the edge to the other.
+  struct Link;
+  /// The first above a boundary vertex, or nothing, and the range of what is carried along it.
+  std::optional<std::pair<Link, double>> firstLink(int vertex) const;
+  /// Fills the link's distances, which start at `distance`; the link that continues it, if there is one.
+  std::optional<Link> measure(Link& link, double distance, double range) const;
   ///@}
 
   /// Rule of inserted points off a connection layer, or else off a wall.
@@ -145,11 +160,16 @@ private:
   }
   void write(int block, const Ijk& position, const Vec3& point, ControlPointRule rule) const
   {
+    if (!this->isHere(block))
+    {
+      return;
+    }
     const Index i = this->index(block, position);
     std::copy_n(point.data(), 3, this->Nets[block].points + 3 * i);
     this->Nets[block].rules[i] = static_cast<std::uint8_t>(rule);
   }
 
+  const LocalStars& Stars;
   const BlockComplex& Complex;
   const ConversionOptions& Options;
   const std::vector<ControlNetStorage>& Nets;
@@ -164,6 +184,8 @@ private:
     std::vector<double> weights;
   };
   std::map<int, std::vector<Correction>> Corrections;
+  /// Per vertex of the body: ConversionOptions::projectedPoints and surfaceNormals.
+  std::map<int, Vec3> GivenPoints, GivenNormals;
   std::atomic<Index> SingularNodes{ 0 };
 };
 
@@ -179,6 +201,7 @@ struct Converter::Star : VertexStar
     bool whole = true; ///< the edge has one fan only
   };
 
+  int vertex = -1;
   bool boundary = false;
   /// Whether it lies in the connection layer of a far-field extension.
   bool connection = false;

@@ -2,6 +2,7 @@
 #include "EdgeFans.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace bsv
 {
@@ -166,7 +167,7 @@ VertexStar vertexStar(const BlockComplex& complex, int vertex)
       {
         ijk[d] = cornerSide(corner, d) ? owner.cells(d) - steps[d] : steps[d];
       }
-      return owner.points(ijk);
+      return owner.points.has(ijk) ? owner.points(ijk) : Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     };
     star.point = pointAt(0, 0, 0);
     VertexStar::Block entry{ block, corner, {}, {}, pointAt(1, 1, 1) };

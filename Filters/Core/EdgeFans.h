@@ -64,7 +64,7 @@ struct EdgeFan
 std::vector<EdgeFan> edgeFans(const BlockComplex& complex, int edge);
 
 /// Everything that touches a vertex. Edges and faces are counted once per end or corner that lies at the vertex, so a
-/// block may appear several times.
+/// block may appear several times. Points that are on other ranks and were not fetched are NaN.
 struct VertexStar
 {
   struct Edge

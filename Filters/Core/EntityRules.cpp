@@ -2,12 +2,14 @@
 #include "EntityRules.h"
 
 #include "CreaseColumns.h"
+#include "OwnedValues.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace bsv
 {
@@ -42,84 +44,182 @@ struct Plane
   double diagonal = 0.0;
 };
 
-/// The plane through the centroid of the faces' points with the normal of least variance.
-Plane fitPlane(const BlockComplex& complex, const std::vector<int>& faces)
+using Numbers3 = std::array<double, 3>;
+
+Numbers3 numbers(const Vec3& x)
 {
-  const auto forAll = [&](const auto& body) {
-    for (const int face : faces)
-    {
-      forAllPoints(complex, face, body);
-    }
-  };
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  forAll([&](const Vec3& x) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  });
-  Plane plane;
-  plane.diagonal = (high - low).norm();
-  const Vec3 middle = 0.5 * (low + high);
-  plane.origin.setZero();
-  double count = 0.0;
-  forAll([&](const Vec3& x) {
-    plane.origin += x - middle;
-    count += 1.0;
-  });
-  plane.origin = middle + plane.origin / count;
-  Eigen::Matrix3d variance = Eigen::Matrix3d::Zero();
-  forAll([&](const Vec3& x) {
-    const Vec3 offset = (x - plane.origin) / plane.diagonal;
-    variance += offset * offset.transpose();
-  });
-  plane.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(variance).eigenvectors().col(0);
-  forAll([&](const Vec3& x) {
-    plane.deviation = std::max(plane.deviation, std::abs(plane.normal.dot(x - plane.origin)));
-  });
-  return plane;
+  return { x[0], x[1], x[2] };
 }
 
-/// Whether no point of the mesh's boundary lies beyond the plane: the mesh is on one side of it.
-bool supportsMesh(const BlockComplex& complex, const Plane& plane, double tolerance)
+Vec3 vector(const Numbers3& x)
 {
-  double below = 0.0, above = 0.0;
-  for (std::size_t f = 0; f < complex.faces.size(); ++f)
+  return { x[0], x[1], x[2] };
+}
+
+int ownerOfFace(const BlockComplex& complex, int face)
+{
+  return complex.blocks[complex.faces[face].uses.front().block].rank;
+}
+
+/// Per side the plane through the centroid of its faces' points with the normal of least variance.
+std::vector<Plane> fitPlanes(
+  const BlockComplex& complex, const std::vector<std::vector<int>>& sides, const Ranks& ranks)
+{
+  struct Part
   {
-    if (complex.faces[f].boundary())
+    int side;
+    int face;
+  };
+  std::vector<Part> parts;
+  for (std::size_t side = 0; side < sides.size(); ++side)
+  {
+    for (const int face : sides[side])
     {
-      forAllPoints(complex, static_cast<int>(f), [&](const Vec3& x) {
-        const double height = plane.normal.dot(x - plane.origin);
-        below = std::min(below, height);
-        above = std::max(above, height);
+      parts.push_back({ static_cast<int>(side), face });
+    }
+  }
+  // What each face adds, put together in the same order on all ranks: `start` for each point of the face, by
+  // add(value, plane, point), and then join(plane, value).
+  std::vector<Plane> planes(sides.size());
+  const auto reduce = [&](const auto& start, const auto& add, const auto& join) {
+    const auto values = gatherFromOwners<std::decay_t<decltype(start)>>(
+      ranks, parts.size(), [&](std::size_t i) { return ownerOfFace(complex, parts[i].face); },
+      [&](std::size_t i) {
+        auto value = start;
+        forAllPoints(complex, parts[i].face, [&](const Vec3& x) { add(value, parts[i].side, x); });
+        return value;
       });
-      if (-below > tolerance && above > tolerance)
+    for (std::size_t i = 0; i < parts.size(); ++i)
+    {
+      join(parts[i].side, values[i]);
+    }
+  };
+
+  struct Bounds
+  {
+    Numbers3 low, high;
+  };
+  Bounds nothing;
+  nothing.low.fill(std::numeric_limits<double>::infinity());
+  nothing.high.fill(-std::numeric_limits<double>::infinity());
+  const auto extend = [](Bounds& bounds, const Numbers3& low, const Numbers3& high) {
+    bounds = { numbers(vector(bounds.low).cwiseMin(vector(low))), numbers(vector(bounds.high).cwiseMax(vector(high))) };
+  };
+  std::vector<Bounds> bounds(sides.size(), nothing);
+  reduce(
+    nothing, [&](Bounds& value, int, const Vec3& x) { extend(value, numbers(x), numbers(x)); },
+    [&](int side, const Bounds& value) { extend(bounds[side], value.low, value.high); });
+  const auto middle = [&](int side) { return Vec3(0.5 * (vector(bounds[side].low) + vector(bounds[side].high))); };
+
+  struct Sum
+  {
+    Numbers3 offset{ 0.0, 0.0, 0.0 };
+    double count = 0.0;
+  };
+  std::vector<Sum> sums(sides.size());
+  reduce(
+    Sum{}, [&](Sum& sum, int side, const Vec3& x) {
+      sum = { numbers(vector(sum.offset) + (x - middle(side))), sum.count + 1.0 };
+    },
+    [&](int side, const Sum& part) {
+      sums[side] = { numbers(vector(sums[side].offset) + vector(part.offset)), sums[side].count + part.count };
+    });
+  for (std::size_t side = 0; side < sides.size(); ++side)
+  {
+    planes[side].diagonal = (vector(bounds[side].high) - vector(bounds[side].low)).norm();
+    planes[side].origin = middle(static_cast<int>(side)) + vector(sums[side].offset) / sums[side].count;
+  }
+
+  using Numbers9 = std::array<double, 9>;
+  std::vector<Eigen::Matrix3d> variances(sides.size(), Eigen::Matrix3d::Zero());
+  reduce(
+    Numbers9{}, [&](Numbers9& sum, int side, const Vec3& x) {
+      const Vec3 offset = (x - planes[side].origin) / planes[side].diagonal;
+      Eigen::Map<Eigen::Matrix3d>(sum.data()) += offset * offset.transpose();
+    },
+    [&](int side, const Numbers9& part) { variances[side] += Eigen::Map<const Eigen::Matrix3d>(part.data()); });
+  for (std::size_t side = 0; side < sides.size(); ++side)
+  {
+    planes[side].normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(variances[side]).eigenvectors().col(0);
+  }
+
+  const auto enlarge = [](double& deviation, double other) { deviation = std::max(deviation, other); };
+  reduce(
+    0.0, [&](double& deviation, int side, const Vec3& x) {
+      enlarge(deviation, std::abs(planes[side].normal.dot(x - planes[side].origin)));
+    },
+    [&](int side, double deviation) { enlarge(planes[side].deviation, deviation); });
+  return planes;
+}
+
+/// Per plane, whether no point of the mesh's boundary lies beyond it: the mesh is on one side of it.
+std::vector<bool> supportMesh(const BlockComplex& complex, const std::vector<Plane>& planes,
+  const std::vector<double>& tolerances, const Ranks& ranks)
+{
+  std::vector<std::array<double, 2>> heights(planes.size(), { 0.0, 0.0 });
+  const auto crosses = [&](std::size_t i) { return -heights[i][0] > tolerances[i] && heights[i][1] > tolerances[i]; };
+  ranks.together([&] {
+    for (std::size_t i = 0; i < planes.size(); ++i)
+    {
+      for (int f = 0; f < static_cast<int>(complex.faces.size()) && !crosses(i); ++f)
       {
-        return false;
+        if (complex.faces[f].boundary() && ownerOfFace(complex, f) == ranks.rank())
+        {
+          forAllPoints(complex, f, [&](const Vec3& x) {
+            const double height = planes[i].normal.dot(x - planes[i].origin);
+            heights[i] = { std::min(heights[i][0], height), std::max(heights[i][1], height) };
+          });
+        }
       }
     }
+  });
+  for (const auto& others : ranks.gather(heights))
+  {
+    for (std::size_t i = 0; i < planes.size(); ++i)
+    {
+      heights[i] = { std::min(heights[i][0], others[i][0]), std::max(heights[i][1], others[i][1]) };
+    }
   }
-  return true;
+  std::vector<bool> result;
+  for (std::size_t i = 0; i < planes.size(); ++i)
+  {
+    result.push_back(!crosses(i));
+  }
+  return result;
 }
 
-/// Angle in degrees by which the outer surface turns at a boundary edge: between the mean normals of the quadrilaterals
-/// on its two sides.
-double turningAngle(const BlockComplex& complex, int edge, const EdgeFan& fan)
+/// Per edge the angle in degrees by which the outer surface turns there: between the mean normals of the quadrilaterals
+/// on its two sides. Each side has its own block.
+std::vector<double> turningAngles(
+  const BlockComplex& complex, const EntityRules& rules, const std::vector<int>& edges, const Ranks& ranks)
 {
-  const auto pointAt = [&](int spoke, int k, int step) {
-    const auto [sector, which] = fan.spoke(spoke);
-    const ComplexBlock& owner = complex.blocks[sector->block];
-    return owner.points(sector->point(owner, k, which == 0 ? step : 0, which == 0 ? 0 : step));
+  const auto sectorOf = [&](std::size_t i) -> const FanSector& {
+    const std::vector<FanSector>& sectors = rules.edges[edges[i / 2]].fans.front().sectors;
+    return i % 2 == 0 ? sectors.front() : sectors.back();
   };
-  const int last = fan.spokeCount() - 1;
-  Vec3 first = Vec3::Zero(), second = Vec3::Zero();
-  for (int k = 0; k < complex.edges[edge].cells; ++k)
+  const std::vector<Numbers3> normals = gatherFromOwners<Numbers3>(
+    ranks, 2 * edges.size(), [&](std::size_t i) { return complex.blocks[sectorOf(i).block].rank; },
+    [&](std::size_t i) {
+      const FanSector& sector = sectorOf(i);
+      const ComplexBlock& owner = complex.blocks[sector.block];
+      Vec3 normal = Vec3::Zero();
+      for (int k = 0; k < complex.edges[edges[i / 2]].cells; ++k)
+      {
+        const Vec3 origin = owner.points(sector.point(owner, k, 0, 0));
+        const Vec3 along = owner.points(sector.point(owner, k + 1, 0, 0)) - origin;
+        const Vec3 across = owner.points(sector.point(owner, k, i % 2 == 0 ? 1 : 0, i % 2)) - origin;
+        normal += (i % 2 == 0 ? across.cross(along) : along.cross(across)).normalized();
+      }
+      return numbers(normal);
+    });
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < edges.size(); ++i)
   {
-    const Vec3 origin = pointAt(0, k, 0);
-    const Vec3 along = pointAt(0, k + 1, 0) - origin;
-    first += (pointAt(0, k, 1) - origin).cross(along).normalized();
-    second += along.cross(pointAt(last, k, 1) - origin).normalized();
+    const Vec3 first = vector(normals[2 * i]);
+    const Vec3 second = vector(normals[2 * i + 1]);
+    angles.push_back(std::atan2(first.cross(second).norm(), first.dot(second)) * 180.0 / std::acos(-1.0));
   }
-  return std::atan2(first.cross(second).norm(), first.dot(second)) * 180.0 / std::acos(-1.0);
+  return angles;
 }
 
 /// Planar side of every face, or -1: the far field.
@@ -129,7 +229,7 @@ double turningAngle(const BlockComplex& complex, int edge, const EdgeFan& fan)
 /// inside) and if it borders on planar sides alone: next to a curved one, whose border is smoothed, kept points would
 /// fold thin layers.
 std::vector<int> planarBoundaryFaces(
-  const BlockComplex& complex, const EntityRules& rules, double tolerance)
+  const BlockComplex& complex, const EntityRules& rules, double tolerance, const Ranks& ranks)
 {
   // Sharper turns, in degrees, separate sides.
   constexpr double SideAngle = 30.0;
@@ -140,26 +240,39 @@ std::vector<int> planarBoundaryFaces(
     bool sameSide;
   };
   std::vector<std::vector<Neighbour>> neighbours(count);
-  for (std::size_t e = 0; e < complex.edges.size(); ++e)
+  std::vector<int> joins;
+  const auto facesAt = [&](int edge) {
+    const EdgeFan& fan = rules.edges[edge].fans.front();
+    return std::array<int, 2>{ fan.faceOf(complex, 0), fan.faceOf(complex, fan.spokeCount() - 1) };
+  };
+  for (int e = 0; e < static_cast<int>(complex.edges.size()); ++e)
   {
     const std::vector<EdgeFan>& fans = rules.edges[e].fans;
-    const EdgeFan& fan = fans.front();
-    if (fans.size() != 1 || fan.closed)
+    if (fans.size() != 1 || fans.front().closed)
     {
       continue;
     }
-    const int a = fan.faceOf(complex, 0);
-    const int b = fan.faceOf(complex, fan.spokeCount() - 1);
-    const bool sameSide = fan.sectors.size() > 1 && !complex.edges[e].crease &&
-      rules.faces[a].role == rules.faces[b].role &&
-      turningAngle(complex, static_cast<int>(e), fan) <= SideAngle;
-    neighbours[a].push_back({ b, sameSide });
-    neighbours[b].push_back({ a, sameSide });
+    const auto [a, b] = facesAt(e);
+    if (fans.front().sectors.size() > 1 && !complex.edges[e].crease && rules.faces[a].role == rules.faces[b].role)
+    {
+      joins.push_back(e);
+    }
+    else
+    {
+      neighbours[a].push_back({ b, false });
+      neighbours[b].push_back({ a, false });
+    }
+  }
+  const std::vector<double> angles = turningAngles(complex, rules, joins, ranks);
+  for (std::size_t i = 0; i < joins.size(); ++i)
+  {
+    const auto [a, b] = facesAt(joins[i]);
+    neighbours[a].push_back({ b, angles[i] <= SideAngle });
+    neighbours[b].push_back({ a, angles[i] <= SideAngle });
   }
 
   std::vector<int> sideOf(count, -1);
   std::vector<std::vector<int>> sides;
-  std::vector<Plane> planes;
   for (int f = 0; f < count; ++f)
   {
     if (!complex.faces[f].boundary() || sideOf[f] >= 0)
@@ -180,12 +293,14 @@ std::vector<int> planarBoundaryFaces(
         }
       }
     }
-    planes.push_back(fitPlane(complex, side));
     sides.push_back(std::move(side));
   }
+  const std::vector<Plane> planes = fitPlanes(complex, sides, ranks);
 
   const auto isPlanar = [&](int side) { return planes[side].deviation <= tolerance * planes[side].diagonal; };
-  std::vector<int> planar(count, -1);
+  std::vector<int> candidates;
+  std::vector<Plane> candidatePlanes;
+  std::vector<double> tolerances;
   for (std::size_t side = 0; side < sides.size(); ++side)
   {
     bool keeps = rules.faces[sides[side].front()].role == BoundaryRole::Other && isPlanar(static_cast<int>(side));
@@ -196,12 +311,20 @@ std::vector<int> planarBoundaryFaces(
         keeps = keeps && rules.faces[next.face].role != BoundaryRole::Body && isPlanar(sideOf[next.face]);
       }
     }
-    if (keeps && supportsMesh(complex, planes[side], tolerance * planes[side].diagonal))
+    if (keeps)
     {
-      for (const int face : sides[side])
-      {
-        planar[face] = static_cast<int>(side);
-      }
+      candidates.push_back(static_cast<int>(side));
+      candidatePlanes.push_back(planes[side]);
+      tolerances.push_back(tolerance * planes[side].diagonal);
+    }
+  }
+  const std::vector<bool> support = supportMesh(complex, candidatePlanes, tolerances, ranks);
+  std::vector<int> planar(count, -1);
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+  {
+    for (const int face : sides[candidates[i]])
+    {
+      planar[face] = support[i] ? candidates[i] : -1;
     }
   }
   return planar;
@@ -298,6 +421,12 @@ std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, i
 
 EntityRules classify(const BlockComplex& complex, const ConversionOptions& options, const Execution& run)
 {
+  return classify(LocalStars(complex, *run.ranks), options, run);
+}
+
+EntityRules classify(const LocalStars& stars, const ConversionOptions& options, const Execution& run)
+{
+  const BlockComplex& complex = stars.complex();
   EntityRules rules;
   rules.faces.resize(complex.faces.size());
   rules.edges.resize(complex.edges.size());
@@ -309,7 +438,7 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
       }
     });
   };
-  forEachEdge([&](int e) { rules.edges[e].fans = edgeFans(complex, e); });
+  run.ranks->together([&] { forEachEdge([&](int e) { rules.edges[e].fans = edgeFans(complex, e); }); });
   for (std::size_t f = 0; f < complex.faces.size(); ++f)
   {
     rules.faces[f].role = roleOf(options, complex.faces[f]);
@@ -317,21 +446,26 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
   std::vector<int> planar(complex.faces.size(), -1);
   if (options.planarSides == PlanarSides::FarField)
   {
-    planar = planarBoundaryFaces(complex, rules, options.planarTolerance);
+    planar = planarBoundaryFaces(complex, rules, options.planarTolerance, *run.ranks);
   }
   else if (options.planarSides == PlanarSides::All)
   {
+    std::vector<std::vector<int>> sides;
     for (int f = 0; f < static_cast<int>(complex.faces.size()); ++f)
     {
-      const Plane plane = fitPlane(complex, { f });
+      sides.push_back({ f });
+    }
+    const std::vector<Plane> planes = fitPlanes(complex, sides, *run.ranks);
+    for (std::size_t f = 0; f < planes.size(); ++f)
+    {
       const bool keeps = rules.faces[f].role != BoundaryRole::Body &&
-        plane.deviation <= options.planarTolerance * plane.diagonal;
-      planar[f] = keeps ? f : -1;
+        planes[f].deviation <= options.planarTolerance * planes[f].diagonal;
+      planar[f] = keeps ? static_cast<int>(f) : -1;
     }
   }
   if (options.planarSides != PlanarSides::None)
   {
-    rules.farField = farFieldSides(complex, options);
+    rules.farField = farFieldSides(complex, options, run);
   }
   for (const FarFieldSide& side : rules.farField)
   {
@@ -350,7 +484,7 @@ EntityRules classify(const BlockComplex& complex, const ConversionOptions& optio
     EdgeRule& rule = rules.edges[e];
     rule = edgeRule(complex, rules.faces, e, std::move(rule.fans));
   });
-  markCreaseColumns(complex, options.propagationRange, rules);
+  markCreaseColumns(complex, options.propagationRange, rules, *run.ranks);
   return rules;
 }
 

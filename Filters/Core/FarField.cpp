@@ -2,6 +2,7 @@
 #include "FarField.h"
 
 #include "OrderFreeSum.h"
+#include "OwnedValues.h"
 
 #include <Eigen/Geometry>
 
@@ -24,18 +25,34 @@ struct Plane
   double height(const Vec3& x) const { return this->normal.dot(x - this->origin); }
 };
 
+using Numbers3 = std::array<double, 3>;
+
 class FarFieldSearch
 {
 public:
-  FarFieldSearch(const BlockComplex& complex, const ConversionOptions& options)
+  /// This and the methods that are not const are collective.
+  FarFieldSearch(const BlockComplex& complex, const ConversionOptions& options, const Ranks& ranks)
     : Complex(complex)
     , Options(options)
+    , Processes(ranks)
   {
     Eigen::AlignedBox3d box;
-    for (const ComplexVertex& vertex : complex.vertices)
+    const auto cornerOf = [&](std::size_t vertex) { return complex.vertices[vertex].corners.front(); };
+    const std::vector<Numbers3> vertices = gatherFromOwners<Numbers3>(
+      ranks, complex.vertices.size(), [&](std::size_t v) { return complex.blocks[cornerOf(v).block].rank; },
+      [&](std::size_t v) {
+        const ComplexBlock& owner = complex.blocks[cornerOf(v).block];
+        Ijk ijk;
+        for (int d = 0; d < 3; ++d)
+        {
+          ijk[d] = cornerSide(cornerOf(v).corner, d) ? owner.cells(d) : 0;
+        }
+        const Vec3 x = owner.points(ijk);
+        return Numbers3{ x[0], x[1], x[2] };
+      });
+    for (const Numbers3& x : vertices)
     {
-      const CornerUse& use = vertex.corners.front();
-      this->Vertices.push_back(this->corner(use.block, use.corner));
+      this->Vertices.emplace_back(x[0], x[1], x[2]);
       box.extend(this->Vertices.back());
     }
     this->Tolerance = options.planarTolerance * (box.isEmpty() ? 0.0 : box.diagonal().norm());
@@ -48,36 +65,38 @@ public:
     }
   }
 
-  std::vector<FarFieldSide> automatic() const
+  std::vector<FarFieldSide> automatic()
   {
     if (this->BodyFaces.empty())
     {
       return {};
     }
-    std::vector<Candidate> candidates;
-    std::vector<Plane> tested;
+    std::vector<int> inner;
     for (std::size_t f = 0; f < this->Complex.faces.size(); ++f)
     {
-      const ComplexFace& face = this->Complex.faces[f];
-      if (face.boundary())
+      if (!this->Complex.faces[f].boundary())
       {
-        continue;
+        inner.push_back(static_cast<int>(f));
       }
-      Plane plane = this->planeOf(face.uses.front());
-      const bool known = std::any_of(tested.begin(), tested.end(), [&](const Plane& other) {
-        return this->liesIn(face.uses.front(), other);
-      });
-      if (known || plane.normal.isZero() || !this->liesIn(face.uses.front(), plane))
+    }
+    std::vector<FacesInPlane> cuts;
+    for (FacesInPlane& tested : this->planesOf(inner))
+    {
+      if (this->orient(tested.plane))
       {
-        continue;
+        cuts.push_back(std::move(tested));
       }
-      tested.push_back(plane);
-      if (this->orient(plane))
+    }
+    const std::vector<bool> behind = this->bodyIsBehind(cuts);
+    std::vector<Candidate> candidates;
+    for (std::size_t i = 0; i < cuts.size(); ++i)
+    {
+      if (behind[i])
       {
-        Candidate candidate = this->cut(plane);
-        if (!candidate.side.faces.empty())
+        candidates.push_back(this->cut(cuts[i]));
+        if (candidates.back().side.faces.empty())
         {
-          candidates.push_back(std::move(candidate));
+          candidates.pop_back();
         }
       }
     }
@@ -89,28 +108,25 @@ public:
     return this->finish(std::move(chosen));
   }
 
-  std::vector<FarFieldSide> named() const
+  std::vector<FarFieldSide> named()
   {
     const auto isNamed = [&](const FaceUse& use) {
       const int parent = this->Complex.blocks[use.block].parent;
       return parent < static_cast<int>(this->Options.extensionBlocks.size()) && this->Options.extensionBlocks[parent];
     };
-    std::vector<Candidate> candidates;
-    std::vector<Plane> planes;
-    for (const ComplexFace& face : this->Complex.faces)
+    std::vector<int> borders;
+    for (std::size_t f = 0; f < this->Complex.faces.size(); ++f)
     {
-      if (face.boundary() || isNamed(face.uses[0]) == isNamed(face.uses[1]))
+      const ComplexFace& face = this->Complex.faces[f];
+      if (!face.boundary() && isNamed(face.uses[0]) != isNamed(face.uses[1]))
       {
-        continue;
+        borders.push_back(static_cast<int>(f));
       }
-      const FaceUse& use = face.uses[0];
-      Plane plane = this->planeOf(use);
-      if (plane.normal.isZero() || !this->liesIn(use, plane) ||
-        std::any_of(planes.begin(), planes.end(), [&](const Plane& other) { return this->liesIn(use, other); }))
-      {
-        continue;
-      }
-      planes.push_back(plane);
+    }
+    std::vector<Candidate> candidates;
+    for (FacesInPlane& found : this->planesOf(borders))
+    {
+      Plane& plane = found.plane;
       // Outwards: away from the body, or else to the larger area of named blocks.
       double bodyLow = 0.0, bodyHigh = 0.0;
       for (const FaceUse& body : this->BodyFaces)
@@ -123,17 +139,18 @@ public:
         }
       }
       double votes = 0.0;
-      for (const ComplexFace& other : this->Complex.faces)
+      for (const int border : borders)
       {
-        if (!other.boundary() && isNamed(other.uses[0]) != isNamed(other.uses[1]) && this->liesIn(other.uses[0], plane))
+        if (found.holds(border))
         {
+          const ComplexFace& other = this->Complex.faces[border];
           const FaceUse& outer = other.uses[isNamed(other.uses[0]) ? 0 : 1];
           votes += this->blockHeight(outer.block, plane) > 0.0 ? this->area(outer) : -this->area(outer);
         }
       }
       const bool flip = bodyHigh != bodyLow ? bodyHigh > -bodyLow : votes < 0.0;
       plane.normal = flip ? Vec3(-plane.normal) : plane.normal;
-      candidates.push_back(this->cut(plane));
+      candidates.push_back(this->cut(found));
     }
     if (candidates.empty())
     {
@@ -143,24 +160,29 @@ public:
   }
 
 private:
-  struct Candidate
+  struct FacesInPlane
   {
     Plane plane;
+    /// All global faces whose points lie in it, ascending.
+    std::vector<int> faces;
+
+    bool holds(int face) const { return std::binary_search(this->faces.begin(), this->faces.end(), face); }
+  };
+
+  struct Candidate
+  {
+    FacesInPlane cut;
     FarFieldSide side;
     /// Per block: beyond the plane.
     std::vector<char> outside;
   };
 
-  Vec3 corner(int block, int corner) const
+  const Vec3& corner(int block, int corner) const
   {
-    const ComplexBlock& owner = this->Complex.blocks[block];
-    Ijk ijk;
-    for (int d = 0; d < 3; ++d)
-    {
-      ijk[d] = cornerSide(corner, d) ? owner.cells(d) : 0;
-    }
-    return owner.points(ijk);
+    return this->Vertices[this->Complex.blocks[block].vertices[corner]];
   }
+
+  int ownerOf(int face) const { return this->Complex.blocks[this->Complex.faces[face].uses.front().block].rank; }
 
   template <typename Body>
   void forPoints(const FaceUse& use, const Body& body) const
@@ -201,18 +223,101 @@ private:
     return { 0.25 * (x[0] + x[1] + x[2] + x[3]), length > 0.0 ? Vec3(normal / length) : Vec3(Vec3::Zero()) };
   }
 
-  bool liesIn(const FaceUse& use, const Plane& plane) const
+  bool cornersLieIn(const FaceUse& use, const Plane& plane) const
   {
-    for (const Vec3& x : this->corners(use))
-    {
-      if (!(std::abs(plane.height(x)) <= this->Tolerance))
-      {
-        return false;
-      }
-    }
+    const std::array<Vec3, 4> x = this->corners(use);
+    return std::all_of(
+      x.begin(), x.end(), [&](const Vec3& corner) { return std::abs(plane.height(corner)) <= this->Tolerance; });
+  }
+
+  bool pointsLieIn(const FaceUse& use, const Plane& plane) const
+  {
     bool inside = true;
     this->forPoints(use, [&](const Vec3& x) { inside = inside && std::abs(plane.height(x)) <= this->Tolerance; });
     return inside;
+  }
+
+  /// Planes through the corners of faces that lie in them: those of `faces` for which neither `known` nor an earlier one
+  /// will do. What they hold of all faces of the complex is found for many planes at once.
+  std::vector<FacesInPlane> planesOf(std::vector<int> faces, const std::vector<FacesInPlane>& known = {})
+  {
+    const auto useOf = [&](int face) { return this->Complex.faces[face].uses.front(); };
+    std::vector<char> covered(this->Complex.faces.size(), 0);
+    const auto cover = [&](const FacesInPlane& entry) {
+      for (const int face : entry.faces)
+      {
+        covered[face] = 1;
+      }
+    };
+    std::for_each(known.begin(), known.end(), cover);
+    const std::vector<char> flat = gatherFromOwners<char>(
+      this->Processes, faces.size(), [&](std::size_t i) { return this->ownerOf(faces[i]); },
+      [&](std::size_t i) {
+        const Plane own = this->planeOf(useOf(faces[i]));
+        return !own.normal.isZero() && this->cornersLieIn(useOf(faces[i]), own) &&
+          this->pointsLieIn(useOf(faces[i]), own);
+      });
+    std::vector<int> open;
+    for (std::size_t i = 0; i < faces.size(); ++i)
+    {
+      if (flat[i])
+      {
+        open.push_back(faces[i]);
+      }
+    }
+    std::vector<FacesInPlane> result;
+    while (!open.empty())
+    {
+      // A face with its corners in a plane of this round waits for what is found of it.
+      const std::size_t first = result.size();
+      std::vector<int> waiting;
+      for (const int face : open)
+      {
+        if (covered[face])
+        {
+          continue;
+        }
+        const bool waits = std::any_of(result.begin() + first, result.end(),
+          [&](const FacesInPlane& entry) { return this->cornersLieIn(useOf(face), entry.plane); });
+        if (waits)
+        {
+          waiting.push_back(face);
+        }
+        else
+        {
+          result.push_back({ this->planeOf(useOf(face)), {} });
+        }
+      }
+      struct Pair
+      {
+        std::size_t plane;
+        int face;
+      };
+      std::vector<Pair> pairs;
+      for (std::size_t p = first; p < result.size(); ++p)
+      {
+        for (int face = 0; face < static_cast<int>(this->Complex.faces.size()); ++face)
+        {
+          if (this->cornersLieIn(useOf(face), result[p].plane))
+          {
+            pairs.push_back({ p, face });
+          }
+        }
+      }
+      const std::vector<char> lies = gatherFromOwners<char>(
+        this->Processes, pairs.size(), [&](std::size_t i) { return this->ownerOf(pairs[i].face); },
+        [&](std::size_t i) { return this->pointsLieIn(useOf(pairs[i].face), result[pairs[i].plane].plane); });
+      for (std::size_t i = 0; i < pairs.size(); ++i)
+      {
+        if (lies[i])
+        {
+          result[pairs[i].plane].faces.push_back(pairs[i].face);
+        }
+      }
+      std::for_each(result.begin() + first, result.end(), cover);
+      open = std::move(waiting);
+    }
+    return result;
   }
 
   double blockHeight(int block, const Plane& plane) const
@@ -225,7 +330,7 @@ private:
     return height;
   }
 
-  /// Turns the plane's normal away from the body. False if the body touches or crosses it, or a block crosses it.
+  /// Turns the plane's normal away from the body. False if a corner of the body touches it, or they or a block cross it.
   bool orient(Plane& plane) const
   {
     bool below = false, above = false, touches = false;
@@ -260,32 +365,57 @@ private:
         return false;
       }
     }
-    for (const FaceUse& body : this->BodyFaces)
+    return true;
+  }
+
+  /// Per plane, whether all points of the body are behind it.
+  std::vector<bool> bodyIsBehind(const std::vector<FacesInPlane>& cuts)
+  {
+    std::vector<char> touches(cuts.size(), 0);
+    this->Processes.together([&] {
+      for (std::size_t i = 0; i < cuts.size(); ++i)
+      {
+        for (const FaceUse& body : this->BodyFaces)
+        {
+          if (this->Complex.blocks[body.block].rank == this->Processes.rank())
+          {
+            this->forPoints(body, [&](const Vec3& x) {
+              touches[i] = touches[i] || !(cuts[i].plane.height(x) < -this->Tolerance);
+            });
+          }
+        }
+      }
+    });
+    std::vector<bool> behind(cuts.size(), true);
+    for (const std::vector<char>& part : this->Processes.gather(touches))
     {
-      this->forPoints(body, [&](const Vec3& x) { touches = touches || !(plane.height(x) < -this->Tolerance); });
+      for (std::size_t i = 0; i < cuts.size(); ++i)
+      {
+        behind[i] = behind[i] && !part[i];
+      }
     }
-    return !touches;
+    return behind;
   }
 
   /// All inner faces in the plane, with the blocks on both sides of it.
-  Candidate cut(const Plane& plane) const
+  Candidate cut(const FacesInPlane& found) const
   {
     Candidate result;
-    result.plane = plane;
+    result.cut = found;
+    const Plane& plane = found.plane;
     for (std::size_t b = 0; b < this->Complex.blocks.size(); ++b)
     {
       result.outside.push_back(this->blockHeight(static_cast<int>(b), plane) > 0.0 ? 1 : 0);
     }
-    for (std::size_t f = 0; f < this->Complex.faces.size(); ++f)
+    for (const int f : found.faces)
     {
       const ComplexFace& face = this->Complex.faces[f];
-      if (face.boundary() || result.outside[face.uses[0].block] == result.outside[face.uses[1].block] ||
-        !this->liesIn(face.uses[0], plane))
+      if (face.boundary() || result.outside[face.uses[0].block] == result.outside[face.uses[1].block])
       {
         continue;
       }
       const int outer = result.outside[face.uses[0].block] ? 0 : 1;
-      result.side.faces.push_back(static_cast<int>(f));
+      result.side.faces.push_back(f);
       result.side.outer.push_back(face.uses[outer]);
       result.side.inner.push_back(face.uses[1 - outer]);
     }
@@ -299,8 +429,8 @@ private:
     for (const Candidate& candidate : candidates)
     {
       const bool last = std::none_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
-        return other.plane.normal.dot(candidate.plane.normal) > 1.0 - AngleTolerance &&
-          candidate.plane.height(other.plane.origin) > this->Tolerance;
+        return other.cut.plane.normal.dot(candidate.cut.plane.normal) > 1.0 - AngleTolerance &&
+          candidate.cut.plane.height(other.cut.plane.origin) > this->Tolerance;
       });
       if (last && this->isLayer(candidate))
       {
@@ -355,14 +485,14 @@ private:
     return std::none_of(sides.begin(), sides.end(), [&](const Candidate& side) { return side.outside[block] != 0; });
   }
 
-  bool isCuboid(const std::vector<Candidate>& sides) const
+  bool isCuboid(const std::vector<Candidate>& sides)
   {
-    std::vector<Plane> planes;
+    std::vector<FacesInPlane> cuts;
     for (const Candidate& side : sides)
     {
-      planes.push_back(side.plane);
+      cuts.push_back(side.cut);
     }
-    std::vector<int> insideBlocks;
+    std::vector<int> insideBlocks, outline;
     for (int b = 0; b < static_cast<int>(this->Complex.blocks.size()); ++b)
     {
       if (this->isInside(sides, b))
@@ -372,21 +502,30 @@ private:
     }
     for (const int b : insideBlocks)
     {
-      for (int f = 0; f < 6; ++f)
+      for (const int f : this->Complex.blocks[b].faces)
       {
-        const ComplexFace& face = this->Complex.faces[this->Complex.blocks[b].faces[f]];
-        if (!face.boundary() || roleOf(this->Options, face) == BoundaryRole::Body ||
-          std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) { return this->liesIn({ b, f }, plane); }))
+        const ComplexFace& face = this->Complex.faces[f];
+        if (face.boundary() && roleOf(this->Options, face) != BoundaryRole::Body)
         {
-          continue;
+          outline.push_back(f);
         }
-        const Plane plane = this->planeOf({ b, f });
-        if (plane.normal.isZero() || !this->liesIn({ b, f }, plane))
-        {
-          return false;
-        }
-        planes.push_back(plane);
       }
+    }
+    for (FacesInPlane& more : this->planesOf(outline, cuts))
+    {
+      cuts.push_back(std::move(more));
+    }
+    for (const int face : outline)
+    {
+      if (std::none_of(cuts.begin(), cuts.end(), [&](const FacesInPlane& entry) { return entry.holds(face); }))
+      {
+        return false;
+      }
+    }
+    std::vector<Plane> planes;
+    for (const FacesInPlane& entry : cuts)
+    {
+      planes.push_back(entry.plane);
     }
     for (const Plane& plane : planes)
     {
@@ -416,36 +555,29 @@ private:
     return true;
   }
 
-  std::vector<FarFieldSide> finish(std::vector<Candidate> sides) const
+  std::vector<FarFieldSide> finish(std::vector<Candidate> sides)
   {
     std::vector<FarFieldSide> result;
     for (Candidate& candidate : sides)
     {
       FarFieldSide& side = candidate.side;
+      for (const FaceUse& use : side.inner)
+      {
+        side.onCuboid.push_back(std::none_of(
+          sides.begin(), sides.end(), [&](const Candidate& other) { return other.outside[use.block] != 0; }));
+      }
+      const auto areas = gatherListsFromOwners<Numbers3>(
+        this->Processes, side.inner.size(),
+        [&](std::size_t i) { return this->Complex.blocks[side.inner[i].block].rank; },
+        [&](std::size_t i) { return this->areasOf(side.inner[i], candidate.cut.plane.normal); });
       OrderFreeSum sum;
       double quads = 0.0;
-      for (std::size_t i = 0; i < side.faces.size(); ++i)
+      for (const std::vector<Numbers3>& ofFace : areas)
       {
-        const int block = side.inner[i].block;
-        bool onCuboid = true;
-        for (const Candidate& other : sides)
+        for (const Numbers3& area : ofFace)
         {
-          onCuboid = onCuboid && !other.outside[block];
-        }
-        side.onCuboid.push_back(onCuboid);
-        // Cross products of the diagonals: another numbering changes their sign alone.
-        const ComplexBlock& owner = this->Complex.blocks[block];
-        const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
-        const int face = side.inner[i].face;
-        for (int t = 0; t < cells[faceAxis(face, 1)]; ++t)
-        {
-          for (int s = 0; s < cells[faceAxis(face, 0)]; ++s)
-          {
-            const auto x = [&](int ds, int dt) { return owner.points(facePoint(cells, face, s + ds, t + dt)); };
-            const Vec3 area = (x(1, 1) - x(0, 0)).cross(x(0, 1) - x(1, 0));
-            quads += 1.0;
-            sum.add(1.0, area.dot(candidate.plane.normal) < 0.0 ? Vec3(-area) : area);
-          }
+          quads += 1.0;
+          sum.add(1.0, Vec3(area[0], area[1], area[2]));
         }
       }
       side.normal = sum.result(quads).normalized();
@@ -458,8 +590,29 @@ private:
     return result;
   }
 
+  /// Twice the area vectors of a face's quadrilaterals, along `normal`: cross products of their diagonals, of which
+  /// another numbering changes the sign alone.
+  std::vector<Numbers3> areasOf(const FaceUse& use, const Vec3& normal) const
+  {
+    const ComplexBlock& owner = this->Complex.blocks[use.block];
+    const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+    std::vector<Numbers3> areas;
+    for (int t = 0; t < cells[faceAxis(use.face, 1)]; ++t)
+    {
+      for (int s = 0; s < cells[faceAxis(use.face, 0)]; ++s)
+      {
+        const auto x = [&](int ds, int dt) { return owner.points(facePoint(cells, use.face, s + ds, t + dt)); };
+        Vec3 area = (x(1, 1) - x(0, 0)).cross(x(0, 1) - x(1, 0));
+        area = area.dot(normal) < 0.0 ? Vec3(-area) : area;
+        areas.push_back({ area[0], area[1], area[2] });
+      }
+    }
+    return areas;
+  }
+
   const BlockComplex& Complex;
   const ConversionOptions& Options;
+  const Ranks& Processes;
   std::vector<Vec3> Vertices;
   std::vector<FaceUse> BodyFaces;
   double Tolerance = 0.0;
@@ -474,9 +627,10 @@ BoundaryRole roleOf(const ConversionOptions& options, const ComplexFace& face)
     : BoundaryRole::Other;
 }
 
-std::vector<FarFieldSide> farFieldSides(const BlockComplex& complex, const ConversionOptions& options)
+std::vector<FarFieldSide> farFieldSides(
+  const BlockComplex& complex, const ConversionOptions& options, const Execution& run)
 {
-  const FarFieldSearch search(complex, options);
+  FarFieldSearch search(complex, options, *run.ranks);
   return options.extensionBlocks.empty() ? search.automatic() : search.named();
 }
 

@@ -39,8 +39,11 @@ struct FarFieldSide
 /// goes on regularly needs no rule, it joins C2. A mesh without a body has no extension; one of several layers of
 /// blocks must be named.
 ///
+/// The same on all ranks. Collective.
+///
 /// @throws Error if blocks are named but none meets another block in a plane.
-std::vector<FarFieldSide> farFieldSides(const BlockComplex& complex, const ConversionOptions& options);
+std::vector<FarFieldSide> farFieldSides(
+  const BlockComplex& complex, const ConversionOptions& options, const Execution& run = {});
 
 /// Role of a boundary face.
 BoundaryRole roleOf(const ConversionOptions& options, const ComplexFace& face);

@@ -9,6 +9,7 @@
 
 #include "Conversion.h"
 #include "FarField.h"
+#include "Ranks.h"
 
 #include <array>
 #include <functional>
@@ -23,15 +24,17 @@ constexpr double KnotInsertion = 2.0 / 3.0;
 class FirstLayer
 {
 public:
-  /// Walls only.
+  /// Walls only: all of those of this rank's blocks, of others what is known of them. Collective.
+  /// @param complex that of LocalStars.
   /// @throws Error for a c that is not between 0 and 1.
-  FirstLayer(const BlockComplex& complex, const ConversionOptions& options);
+  FirstLayer(const BlockComplex& complex, const ConversionOptions& options, const Ranks& ranks);
 
   /// Height of the last inserted control point over the last one at mesh point (s, t) of a block face, along the
   /// normal.
   using LastDistance = std::function<double(const FaceUse& use, int s, int t, const Vec3& normal)>;
 
-  /// The extension beyond a side; `spacing` is not Off.
+  /// The extension beyond a side; `spacing` is not Off. `lastDistance` is asked for faces of this rank's blocks only.
+  /// Collective.
   void setSide(const FarFieldSide& side, FarFieldSpacing spacing, const LastDistance& lastDistance);
 
   /// c of the line that leaves a block's face into the block at one of the face's mesh points.
@@ -55,6 +58,7 @@ private:
   void setWalls(const ConversionOptions& options);
 
   const BlockComplex& Complex;
+  const Ranks& Processes;
   /// Per block and face: nothing for 2/3, one value, or one per mesh point of the face in its axes, s fastest.
   std::vector<std::array<std::vector<double>, 6>> Weights;
   std::vector<double> Distances;

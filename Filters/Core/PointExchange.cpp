@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PointExchange.h"
 
+#include "SparseArray.h"
+
 #include <algorithm>
 
 namespace bsv
@@ -39,6 +41,12 @@ Vec3 GridView::remote(Index offset) const
     throw Error("a mesh point was read that is on another rank");
   }
   return Vec3(x[0], x[1], x[2]);
+}
+
+const Vec3* GridView::change(Index offset, Index& count) const
+{
+  count = this->Changes->run(this->Start + offset, count);
+  return this->Changes->find(this->Start + offset);
 }
 
 void PointBoxes::add(const std::array<int, 3>& lo, const std::array<int, 3>& hi, std::vector<double> xyz)

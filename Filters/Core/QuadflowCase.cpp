@@ -2,6 +2,7 @@
 #include "QuadflowCase.h"
 
 #include "Conversion.h"
+#include "PointExchange.h"
 #include "SharedEntities.h"
 
 #include <algorithm>
@@ -22,19 +23,19 @@ std::string faceName(int block, int face)
   return "block " + std::to_string(block) + ", face " + std::to_string(face);
 }
 
+Index offsetOf(const BSplineVolume& volume, const Ijk& i)
+{
+  return i[0] + volume.count(0) * (i[1] + Index(volume.count(1)) * i[2]);
+}
+
 std::string pointName(const Ijk& i)
 {
   return "(" + std::to_string(i[0]) + ", " + std::to_string(i[1]) + ", " + std::to_string(i[2]) + ")";
 }
 
-const double* pointAt(const BSplineVolume& volume, const Ijk& i)
+bool sameBits(const Vec3& a, const Vec3& b)
 {
-  return volume.points + 3 * (i[0] + volume.count(0) * (i[1] + Index(volume.count(1)) * i[2]));
-}
-
-bool sameBits(const double* a, const double* b)
-{
-  return std::memcmp(a, b, 3 * sizeof(double)) == 0;
+  return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0;
 }
 
 Ijk onFace(const BSplineVolume& volume, int face, int s, int t)
@@ -61,9 +62,90 @@ int spans(const BSplineVolume& volume, int d)
   return static_cast<int>(nonEmptySpans(volume.degree[d], volume.knots[d]).size());
 }
 
-/// Why two faces do not meet, or nothing.
-std::string difference(const BSplineVolume& a, int faceA, const BSplineVolume& b, int faceB, int orientation)
+/// The control points of all blocks, of those on other ranks only some faces.
+class ControlPoints
 {
+public:
+  /// A face of a block, as 6 * block + face.
+  using Face = int;
+
+  /// Collective. @param faces that are read here of blocks on other ranks; a process that is alone gets none.
+  ControlPoints(const std::vector<const BSplineVolume*>& volumes, const std::set<Face>& faces, const Ranks& ranks)
+    : Volumes(volumes)
+  {
+    for (const BSplineVolume* volume : volumes)
+    {
+      const Ijk counts{ volume->count(0), volume->count(1), volume->count(2) };
+      this->Views.push_back(volume->points ? GridView(volume->points, counts) : GridView::elsewhere(counts));
+    }
+    if (ranks.size() == 1)
+    {
+      return;
+    }
+    this->Fetched = faces;
+    std::vector<PointBox> boxes;
+    for (const Face f : faces)
+    {
+      const BSplineVolume& volume = *volumes[f / 6];
+      PointBox box{ f / 6, onFace(volume, f % 6, 0, 0), {} };
+      box.hi = onFace(volume, f % 6, volume.count(faceAxis(f % 6, 0)) - 1, volume.count(faceAxis(f % 6, 1)) - 1);
+      boxes.push_back(box);
+    }
+    this->Memory = fetchPoints(
+      boxes, static_cast<int>(volumes.size()), [&](int block) { return volumes[block]->rank; },
+      [this](int block) -> GridView& { return this->Views[block]; }, ranks);
+  }
+  const BSplineVolume& volume(int block) const { return *this->Volumes[block]; }
+  const GridView& operator[](int block) const { return this->Views[block]; }
+  bool knows(int block, int face) const
+  {
+    return this->Views[block].isHere() || this->Fetched.count(6 * block + face) > 0;
+  }
+
+private:
+  const std::vector<const BSplineVolume*>& Volumes;
+  std::set<Face> Fetched;
+  std::vector<GridView> Views;
+  std::vector<std::shared_ptr<PointBoxes>> Memory;
+};
+
+/// The control points at the eight corners of every block, on all ranks.
+std::vector<std::array<Vec3, 8>> cornerPoints(const std::vector<const BSplineVolume*>& volumes, const Ranks& ranks)
+{
+  struct Packed
+  {
+    std::size_t block;
+    std::array<std::array<double, 3>, 8> corners;
+  };
+  std::vector<Packed> own;
+  for (std::size_t b = 0; b < volumes.size(); ++b)
+  {
+    if (volumes[b]->rank == ranks.rank())
+    {
+      own.push_back({ b, {} });
+      for (int corner = 0; corner < 8; ++corner)
+      {
+        const Ijk i = cornerPoint(*volumes[b], corner);
+        std::copy_n(volumes[b]->points + 3 * offsetOf(*volumes[b], i), 3, own.back().corners[corner].data());
+      }
+    }
+  }
+  std::vector<std::array<Vec3, 8>> result(volumes.size());
+  for (const Packed& packed : ranks.gatherAll(own))
+  {
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      result[packed.block][corner] = Eigen::Map<const Vec3>(packed.corners[corner].data());
+    }
+  }
+  return result;
+}
+
+/// Why two faces do not meet, or nothing. Points that are not known are not compared.
+std::string difference(const ControlPoints& points, int blockA, int faceA, int blockB, int faceB, int orientation)
+{
+  const BSplineVolume& a = points.volume(blockA);
+  const BSplineVolume& b = points.volume(blockB);
   for (int axis = 0; axis < 2; ++axis)
   {
     const int axisB = swapsAxes(orientation) ? 1 - axis : axis;
@@ -96,14 +178,15 @@ std::string difference(const BSplineVolume& a, int faceA, const BSplineVolume& b
   }
   const int ns = a.count(faceAxis(faceA, 0)) - 1;
   const int nt = a.count(faceAxis(faceA, 1)) - 1;
-  for (int t = 0; t <= nt; ++t)
+  const bool known = points.knows(blockA, faceA) && points.knows(blockB, faceB);
+  for (int t = 0; known && t <= nt; ++t)
   {
     for (int s = 0; s <= ns; ++s)
     {
       const auto m = mapFacePoint(orientation, s, t, ns, nt);
       const Ijk iA = onFace(a, faceA, s, t);
       const Ijk iB = onFace(b, faceB, m[0], m[1]);
-      if (!sameBits(pointAt(a, iA), pointAt(b, iB)))
+      if (!sameBits(points[blockA](iA), points[blockB](iB)))
       {
         return "control points " + pointName(iA) + " and " + pointName(iB) + " differ";
       }
@@ -121,7 +204,9 @@ Interface wholeFaces(const std::vector<BSplineVolume>& volumes, int blockA, int 
 }
 
 /// Pairs of faces whose control points are equal bit for bit.
-std::vector<Interface> findInterfaces(const std::vector<BSplineVolume>& volumes)
+std::vector<Interface> findInterfaces(const std::vector<BSplineVolume>& volumes,
+  const std::vector<const BSplineVolume*>& pointers, const std::vector<std::array<Vec3, 8>>& corners,
+  const Ranks& ranks)
 {
   using Key = std::array<std::array<std::uint64_t, 3>, 4>;
   std::map<Key, std::vector<int>> candidates; // by the corners, in any order
@@ -130,38 +215,72 @@ std::vector<Interface> findInterfaces(const std::vector<BSplineVolume>& volumes)
     Key key;
     for (int c = 0; c < 4; ++c)
     {
-      const BSplineVolume& volume = volumes[f / 6];
-      std::memcpy(
-        key[c].data(), pointAt(volume, cornerPoint(volume, faceCorner(f % 6, c & 1, c >> 1))), sizeof(key[c]));
+      std::memcpy(key[c].data(), corners[f / 6][faceCorner(f % 6, c & 1, c >> 1)].data(), sizeof(key[c]));
     }
     std::sort(key.begin(), key.end());
     candidates[key].push_back(f);
   }
-  std::vector<Interface> interfaces;
-  std::set<int> taken;
-  for (const auto& candidate : candidates)
+
+  // The rank of the first face of a pair looks at all its points.
+  struct Match
   {
-    const std::vector<int>& faces = candidate.second;
+    std::size_t pair;
+    unsigned orientations; ///< bit per code
+  };
+  std::vector<std::array<int, 2>> pairs;
+  std::set<int> wanted;
+  for (const auto& [key, faces] : candidates)
+  {
     for (std::size_t x = 0; x < faces.size(); ++x)
     {
       for (std::size_t y = x + 1; y < faces.size(); ++y)
       {
-        const int a = faces[x];
-        const int b = faces[y];
-        for (int o = 0; o < 8; ++o)
+        pairs.push_back({ faces[x], faces[y] });
+        if (volumes[faces[x] / 6].rank == ranks.rank())
         {
-          if (!difference(volumes[a / 6], a % 6, volumes[b / 6], b % 6, o).empty())
-          {
-            continue;
-          }
-          if (!taken.insert(a).second || !taken.insert(b).second)
-          {
-            throw Error(
-              faceName(a / 6, a % 6) + " meets " + faceName(b / 6, b % 6) + " and more; the interfaces must be given");
-          }
-          interfaces.push_back(wholeFaces(volumes, a / 6, a % 6, b / 6, b % 6, o));
+          wanted.insert(faces[y]);
         }
       }
+    }
+  }
+  const ControlPoints points(pointers, wanted, ranks);
+  std::vector<Match> matches;
+  ranks.together([&] {
+    for (std::size_t p = 0; p < pairs.size(); ++p)
+    {
+      const auto [a, b] = pairs[p];
+      unsigned found = 0;
+      for (int o = 0; volumes[a / 6].rank == ranks.rank() && o < 8; ++o)
+      {
+        const bool same = difference(points, a / 6, a % 6, b / 6, b % 6, o).empty();
+        found |= same ? 1u << o : 0u;
+      }
+      if (found != 0)
+      {
+        matches.push_back({ p, found });
+      }
+    }
+  });
+  matches = ranks.gatherAll(matches);
+  std::sort(matches.begin(), matches.end(), [](const Match& x, const Match& y) { return x.pair < y.pair; });
+
+  std::vector<Interface> interfaces;
+  std::set<int> taken;
+  for (const Match& match : matches)
+  {
+    const auto [a, b] = pairs[match.pair];
+    for (int o = 0; o < 8; ++o)
+    {
+      if ((match.orientations & 1u << o) == 0)
+      {
+        continue;
+      }
+      if (!taken.insert(a).second || !taken.insert(b).second)
+      {
+        throw Error(
+          faceName(a / 6, a % 6) + " meets " + faceName(b / 6, b % 6) + " and more; the interfaces must be given");
+      }
+      interfaces.push_back(wholeFaces(volumes, a / 6, a % 6, b / 6, b % 6, o));
     }
   }
   std::sort(interfaces.begin(), interfaces.end(), [](const Interface& a, const Interface& b) {
@@ -185,7 +304,7 @@ QuadflowEdgeClass edgeClass(const SharedEntities::Edge& edge, const BSplineVolum
   // The ends belong to the vertices.
   for (i[d] = 1; rules && i[d] + 1 < volume.count(d); ++i[d])
   {
-    const auto rule = static_cast<ControlPointRule>(rules[(pointAt(volume, i) - volume.points) / 3]);
+    const auto rule = static_cast<ControlPointRule>(rules[offsetOf(volume, i)]);
     crease = crease || rule == ControlPointRule::Crease;
     planar = planar || rule == ControlPointRule::PlanarSide;
     other = other || (rule != ControlPointRule::PlanarSide && rule != ControlPointRule::Corner);
@@ -194,6 +313,32 @@ QuadflowEdgeClass edgeClass(const SharedEntities::Edge& edge, const BSplineVolum
     : planar && !other           ? QuadflowEdgeClass::Planar
     : edge.boundary              ? QuadflowEdgeClass::Boundary
                                  : QuadflowEdgeClass::Regular;
+}
+
+/// Of all edges; the rank of the block that names an edge first has its rules.
+std::vector<QuadflowEdgeClass> edgeClasses(
+  const std::vector<SharedEntities::Edge>& edges, const QuadflowInput& input, const Ranks& ranks)
+{
+  struct Entry
+  {
+    std::size_t edge;
+    QuadflowEdgeClass kind;
+  };
+  std::vector<Entry> own;
+  for (std::size_t e = 0; e < edges.size(); ++e)
+  {
+    const BSplineVolume& volume = input.volumes[edges[e].block];
+    if (volume.rank == ranks.rank())
+    {
+      own.push_back({ e, edgeClass(edges[e], volume, input.rules.empty() ? nullptr : input.rules[edges[e].block]) });
+    }
+  }
+  std::vector<QuadflowEdgeClass> result(edges.size());
+  for (const Entry& entry : ranks.gatherAll(own))
+  {
+    result[entry.edge] = entry.kind;
+  }
+  return result;
 }
 
 std::vector<QuadflowBoundaryName> numberedBoundaries(const QuadflowInput& input)
@@ -233,29 +378,42 @@ std::vector<QuadflowBoundaryName> numberedBoundaries(const QuadflowInput& input)
 } // namespace
 
 //------------------------------------------------------------------------------
-QuadflowCase makeQuadflowCase(const QuadflowInput& input)
+QuadflowCase makeQuadflowCase(const QuadflowInput& input, const Execution& run)
 {
+  const Ranks& ranks = *run.ranks;
   const int blocks = static_cast<int>(input.volumes.size());
   const auto label = [&](int block) { return "block " + std::to_string(block) + " '" + input.names[block] + "'"; };
-  for (int b = 0; b < blocks; ++b)
-  {
-    const BSplineVolume& volume = input.volumes[b];
-    checkBSplineVolume(volume, label(b));
-    for (const double* x = volume.points;
-         x != volume.points + 3 * Index(volume.count(0)) * volume.count(1) * volume.count(2); ++x)
+  ranks.together([&] {
+    for (int b = 0; b < blocks; ++b)
     {
-      if (!std::isfinite(*x))
+      const BSplineVolume& volume = input.volumes[b];
+      checkBSplineVolume(volume, label(b));
+      if (volume.rank != ranks.rank())
       {
-        throw Error(label(b) + ": control point " + std::to_string((x - volume.points) / 3) + " is not finite");
+        continue;
+      }
+      for (const double* x = volume.points;
+           x != volume.points + 3 * Index(volume.count(0)) * volume.count(1) * volume.count(2); ++x)
+      {
+        if (!std::isfinite(*x))
+        {
+          throw Error(label(b) + ": control point " + std::to_string((x - volume.points) / 3) + " is not finite");
+        }
       }
     }
+  });
+  std::vector<const BSplineVolume*> volumes;
+  for (const BSplineVolume& volume : input.volumes)
+  {
+    volumes.push_back(&volume);
   }
+  const std::vector<std::array<Vec3, 8>> corners = cornerPoints(volumes, ranks);
 
   QuadflowCase all;
   std::vector<Interface> contacts = input.interfaces;
   if (!input.hasInterfaces)
   {
-    contacts = findInterfaces(input.volumes);
+    contacts = findInterfaces(input.volumes, volumes, corners, ranks);
   }
   for (Interface& contact : contacts)
   {
@@ -301,8 +459,7 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input)
     block.faceOrientations = shared.faceOrientations;
     for (int corner = 0; corner < 8; ++corner)
     {
-      const double* x = pointAt(block.volume, cornerPoint(block.volume, corner));
-      all.vertices[block.vertices[corner]].position = Vec3(x[0], x[1], x[2]);
+      all.vertices[block.vertices[corner]].position = corners[b][corner];
     }
     for (int face = 0; face < 6; ++face)
     {
@@ -314,14 +471,15 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input)
     }
     all.blocks.push_back(std::move(block));
   }
-  for (const SharedEntities::Edge& shared : entities.edges)
+  const std::vector<QuadflowEdgeClass> kinds = edgeClasses(entities.edges, input, ranks);
+  for (std::size_t e = 0; e < entities.edges.size(); ++e)
   {
+    const SharedEntities::Edge& shared = entities.edges[e];
     QuadflowEdge edge;
     const auto ends = std::minmax(shared.vertices[0], shared.vertices[1]);
     edge.vertices = { ends.first, ends.second };
     edge.cells = all.blocks[shared.block].cells[edgeDirection(shared.edge)];
-    edge.kind =
-      edgeClass(shared, input.volumes[shared.block], input.rules.empty() ? nullptr : input.rules[shared.block]);
+    edge.kind = kinds[e];
     edge.valence = edge.kind == QuadflowEdgeClass::Extraordinary ? shared.uses : 0;
     all.edges.push_back(edge);
   }
@@ -339,7 +497,7 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input)
     face.boundary = shared.uses == 1 ? boundaryOf[6 * shared.block + shared.face] : 0;
     all.faces.push_back(face);
   }
-  checkQuadflowCase(all);
+  checkQuadflowCase(all, "", "", run);
   return all;
 }
 
@@ -351,8 +509,9 @@ namespace
 class CaseCheck
 {
 public:
-  CaseCheck(const QuadflowCase& all, const std::string& file, const std::string& geometryFile)
+  CaseCheck(const QuadflowCase& all, const std::string& file, const std::string& geometryFile, const Execution& run)
     : All(all)
+    , RankGroup(*run.ranks)
     , File(file)
     , GeometryFile(geometryFile.empty() ? file : geometryFile)
   {
@@ -498,8 +657,8 @@ private:
     }
     try
     {
-      return sharedEntities(static_cast<int>(this->All.blocks.size()), contacts,
-        [this](int block) { return this->blockName(block); });
+      return sharedEntities(
+        static_cast<int>(this->All.blocks.size()), contacts, [this](int block) { return this->blockName(block); });
     }
     catch (const Error& error)
     {
@@ -673,39 +832,59 @@ private:
     }
   }
 
+  /// By the rank that has the block.
   void corners() const
   {
-    for (std::size_t b = 0; b < this->All.blocks.size(); ++b)
-    {
-      const QuadflowBlock& block = this->All.blocks[b];
-      for (int corner = 0; corner < 8; ++corner)
+    this->RankGroup.together([&] {
+      for (std::size_t b = 0; b < this->All.blocks.size(); ++b)
       {
-        const QuadflowVertex& vertex = this->All.vertices[block.vertices[corner]];
-        if (!sameBits(vertex.position.data(), pointAt(block.volume, cornerPoint(block.volume, corner))))
+        const QuadflowBlock& block = this->All.blocks[b];
+        for (int corner = 0; corner < 8 && this->isHere(b); ++corner)
         {
-          this->fail(vertex.line,
-            "vertex " + this->id(block.vertices[corner]) + " is not the control point at corner " +
-              std::to_string(corner) + " of " + this->blockName(b));
+          const QuadflowVertex& vertex = this->All.vertices[block.vertices[corner]];
+          const Index at = offsetOf(block.volume, cornerPoint(block.volume, corner));
+          if (!sameBits(vertex.position, Eigen::Map<const Vec3>(block.volume.points + 3 * at)))
+          {
+            this->fail(vertex.line,
+              "vertex " + this->id(block.vertices[corner]) + " is not the control point at corner " +
+                std::to_string(corner) + " of " + this->blockName(b));
+          }
         }
       }
-    }
+    });
   }
 
-  /// The two sides of every interface are equal.
+  /// The two sides of every interface are equal. By the rank that has block A.
   void contacts() const
   {
+    std::vector<const BSplineVolume*> volumes;
+    for (const QuadflowBlock& block : this->All.blocks)
+    {
+      volumes.push_back(&block.volume);
+    }
+    std::set<int> wanted;
     for (const QuadflowInterface& entry : this->All.interfaces)
     {
-      const Interface& c = entry.contact;
-      const QuadflowBlock& a = this->All.blocks[c.blockA];
-      const QuadflowBlock& b = this->All.blocks[c.blockB];
-      const std::string what = difference(a.volume, c.faceA, b.volume, c.faceB, c.orientation);
-      if (!what.empty())
+      if (this->isHere(entry.contact.blockA))
       {
-        this->fail(entry.line, this->interfaceName(c) + what);
+        wanted.insert(6 * entry.contact.blockB + entry.contact.faceB);
       }
     }
+    const ControlPoints points(volumes, wanted, this->RankGroup);
+    this->RankGroup.together([&] {
+      for (const QuadflowInterface& entry : this->All.interfaces)
+      {
+        const Interface& c = entry.contact;
+        const std::string what = difference(points, c.blockA, c.faceA, c.blockB, c.faceB, c.orientation);
+        if (!what.empty())
+        {
+          this->fail(entry.line, this->interfaceName(c) + what);
+        }
+      }
+    });
   }
+
+  bool isHere(std::size_t block) const { return this->All.blocks[block].volume.points != nullptr; }
 
   /// The two blocks of every interface see their common face in orientations that agree.
   void orientations() const
@@ -734,15 +913,17 @@ private:
   }
 
   const QuadflowCase& All;
+  const Ranks& RankGroup;
   const std::string& File;
   std::string GeometryFile;
 };
 
 } // namespace
 
-void checkQuadflowCase(const QuadflowCase& all, const std::string& file, const std::string& geometryFile)
+void checkQuadflowCase(
+  const QuadflowCase& all, const std::string& file, const std::string& geometryFile, const Execution& run)
 {
-  CaseCheck(all, file, geometryFile).run();
+  CaseCheck(all, file, geometryFile, run).run();
 }
 
 } // namespace bsv

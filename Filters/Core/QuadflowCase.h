@@ -106,7 +106,8 @@ struct QuadflowInput
 {
   std::vector<BSplineVolume> volumes;
   std::vector<std::string> names;
-  /// ControlPointRule per control point of every block, or null: tells creases and planar sides.
+  /// ControlPointRule per control point of every block, or null, also for blocks of other ranks: tells creases and
+  /// planar sides.
   std::vector<const unsigned char*> rules;
   /// If false, faces with equal control points (bit for bit) are interfaces.
   bool hasInterfaces = false;
@@ -117,16 +118,18 @@ struct QuadflowInput
   std::vector<std::pair<std::string, int>> boundaryIds;
 };
 
-/// Numbers the global vertices, edges and faces. The control points stay where they are.
+/// Numbers the global vertices, edges and faces. The control points stay where they are; between ranks go corners of
+/// blocks, classes of edges and the faces of interfaces.
 /// @throws Error for everything that checkQuadflowCase() finds, unclamped knots, faces in two interfaces or boundaries,
 /// ambiguous contacts if they have to be found, boundary ids that are not positive or not unique.
-QuadflowCase makeQuadflowCase(const QuadflowInput& input);
+QuadflowCase makeQuadflowCase(const QuadflowInput& input, const Execution& run = {});
 
 /// All self-checks: every block face in exactly one interface or boundary; the two sides of an interface equal under
 /// its orientation, control points bit for bit, knots up to rounding; vertices equal to the blocks' corners; all ids,
 /// counts, classes and orientations consistent with the interfaces.
 /// @param file names the file in messages, or is empty; `geometryFile` that with the control points.
 /// @throws Error that names line, block and face.
-void checkQuadflowCase(const QuadflowCase& all, const std::string& file = "", const std::string& geometryFile = "");
+void checkQuadflowCase(const QuadflowCase& all, const std::string& file = "", const std::string& geometryFile = "",
+  const Execution& run = {});
 
 } // namespace bsv

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <string_view>
 
 #include <sys/stat.h>
@@ -69,8 +70,8 @@ std::string encoded(const std::string& name)
 class Text
 {
 public:
-  explicit Text(const std::string& path)
-    : File(path)
+  explicit Text(OutputBuffer& file)
+    : File(file)
   {
   }
 
@@ -107,13 +108,12 @@ public:
   {
     this->File.write(reinterpret_cast<const char*>(values), sizeof(double) * static_cast<std::size_t>(count));
   }
-  AtomicFile& file() { return this->File; }
 
 private:
-  AtomicFile File;
+  OutputBuffer& File;
 };
 
-void writeHeader(Text& text, const char* magic, const QuadflowOptions& options)
+void writeHeader(Text text, const char* magic, const QuadflowOptions& options)
 {
   text << "# Multi-block B-spline topology, dialect of BSplineVolume; see quadflow_format.md.\n"
        << magic << " " << Version << "\n"
@@ -121,7 +121,7 @@ void writeHeader(Text& text, const char* magic, const QuadflowOptions& options)
        << "\ncp_order ijk\n";
 }
 
-void writeTopology(Text& text, const QuadflowCase& all, int base)
+void writeTopology(Text text, const QuadflowCase& all, int base)
 {
   text << "counts vertices " << static_cast<int>(all.vertices.size()) << " edges " << static_cast<int>(all.edges.size())
        << " faces " << static_cast<int>(all.faces.size()) << " blocks " << static_cast<int>(all.blocks.size()) << "\n";
@@ -204,57 +204,130 @@ void writeTopology(Text& text, const QuadflowCase& all, int base)
   }
 }
 
-void writeGeometry(Text& text, const QuadflowCase& all, const QuadflowOptions& options, const Execution& run)
+Index pointCount(const BSplineVolume& volume)
 {
+  return Index(volume.count(0)) * volume.count(1) * volume.count(2);
+}
+
+/// @param report told the control points done, every now and then
+void writeBlock(Text text, const BSplineVolume& volume, int id, const QuadflowOptions& options,
+  const std::function<void(Index)>& report)
+{
+  text << "block " << id << "\n degree " << volume.degree[0] << " " << volume.degree[1] << " " << volume.degree[2]
+       << "\n ncp " << volume.count(0) << " " << volume.count(1) << " " << volume.count(2) << "\n";
+  for (int d = 0; d < 3; ++d)
+  {
+    const std::vector<double>& knots = volume.knots[d];
+    text << " " << KnotLabels[d];
+    for (const double knot : knots)
+    {
+      text << " " << (options.unitKnots ? (knot - knots.front()) / (knots.back() - knots.front()) : knot);
+    }
+    text << "\n";
+  }
+  text << " points\n";
+  const Index size = pointCount(volume);
+  if (options.binary)
+  {
+    text.raw(&ByteOrderMark, 1);
+  }
+  for (Index first = 0; first < size; first += PointsPerReport)
+  {
+    const Index last = std::min(size, first + PointsPerReport);
+    report(first);
+    if (options.binary)
+    {
+      text.raw(volume.points + 3 * first, 3 * (last - first));
+      continue;
+    }
+    for (Index i = first; i < last; ++i)
+    {
+      text.point(volume.points + 3 * i);
+    }
+  }
+  if (options.binary)
+  {
+    text << "\n";
+  }
+}
+
+/// Writes the rest of a file on which rank 0 is, each rank its blocks, and finishes it. With several ranks they first
+/// count their characters, to know the places of their blocks.
+void writeGeometry(AtomicFile& file, const QuadflowCase& all, const QuadflowOptions& options, const Execution& run)
+{
+  const Ranks& ranks = *run.ranks;
+  const bool first = ranks.rank() == 0;
+  const bool several = ranks.size() > 1;
   double total = 1.0;
   for (const QuadflowBlock& block : all.blocks)
   {
-    total += static_cast<double>(block.volume.count(0)) * block.volume.count(1) * block.volume.count(2);
+    total += block.volume.rank == ranks.rank() ? static_cast<double>(pointCount(block.volume)) : 0.0;
   }
-  double done = 0.0;
-  int id = options.indexBase;
-  text << "GEOMETRY" << (options.binary ? std::string(" binary ") + ownByteOrder() : "") << "\n";
-  for (const QuadflowBlock& block : all.blocks)
+  const auto overOwn = [&](double from, double to, const auto& visit) {
+    double done = 0.0;
+    for (std::size_t b = 0; b < all.blocks.size(); ++b)
+    {
+      const BSplineVolume& volume = all.blocks[b].volume;
+      if (volume.rank == ranks.rank())
+      {
+        visit(b, volume, static_cast<int>(b) + options.indexBase,
+          [&](Index points) { run.report(from + (to - from) * (done + static_cast<double>(points)) / total); });
+        done += static_cast<double>(pointCount(volume));
+      }
+    }
+  };
+
+  std::vector<Index> start; // of every block, and the end of the last
+  ranks.together([&] {
+    if (first)
+    {
+      Text(file) << "GEOMETRY" << (options.binary ? std::string(" binary ") + ownByteOrder() : "") << "\n";
+    }
+  });
+  if (several)
   {
-    const BSplineVolume& volume = block.volume;
-    text << "block " << id++ << "\n degree " << volume.degree[0] << " " << volume.degree[1] << " " << volume.degree[2]
-         << "\n ncp " << volume.count(0) << " " << volume.count(1) << " " << volume.count(2) << "\n";
-    for (int d = 0; d < 3; ++d)
+    struct Size
     {
-      const std::vector<double>& knots = volume.knots[d];
-      text << " " << KnotLabels[d];
-      for (const double knot : knots)
-      {
-        text << " " << (options.unitKnots ? (knot - knots.front()) / (knots.back() - knots.front()) : knot);
-      }
-      text << "\n";
-    }
-    text << " points\n";
-    const Index size = Index(volume.count(0)) * volume.count(1) * volume.count(2);
-    if (options.binary)
+      std::size_t block;
+      Index size;
+    };
+    std::vector<Size> own;
+    Index position = 0;
+    ranks.together([&] {
+      CharacterCount written;
+      position = first ? file.position() : 0;
+      overOwn(0.0, 0.5, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
+        const Index before = written.count();
+        writeBlock(Text(written), volume, id, options, report);
+        own.push_back({ b, written.count() - before });
+      });
+    });
+    start.assign(all.blocks.size() + 1, 0);
+    for (const Size& entry : ranks.gatherAll(own))
     {
-      text.raw(&ByteOrderMark, 1);
+      start[entry.block + 1] = entry.size;
     }
-    for (Index first = 0; first < size; first += PointsPerReport)
-    {
-      const Index last = std::min(size, first + PointsPerReport);
-      run.report((done + static_cast<double>(first)) / total);
-      if (options.binary)
-      {
-        text.raw(volume.points + 3 * first, 3 * (last - first));
-        continue;
-      }
-      for (Index i = first; i < last; ++i)
-      {
-        text.point(volume.points + 3 * i);
-      }
-    }
-    done += static_cast<double>(size);
-    if (options.binary)
-    {
-      text << "\n";
-    }
+    start[0] = ranks.gatherAll(std::vector<Index>{ position }).front();
+    std::partial_sum(start.begin(), start.end(), start.begin());
   }
+  ranks.together([&] {
+    overOwn(several ? 0.5 : 0.0, 1.0, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
+      if (several)
+      {
+        file.seek(start[b]);
+      }
+      writeBlock(Text(file), volume, id, options, report);
+    });
+    if (first)
+    {
+      if (several)
+      {
+        file.seek(start.back());
+      }
+      Text(file) << "end\n";
+    }
+    file.finish();
+  });
 }
 
 std::string withoutExtension(const std::string& path)
@@ -281,14 +354,23 @@ void writeQuadflow(
   {
     throw Error("the index base must be 0 or 1, not " + std::to_string(options.indexBase));
   }
-  Text topology(path);
-  writeHeader(topology, Magic, options);
-  writeTopology(topology, all, options.indexBase);
+  const Ranks& ranks = *run.ranks;
+  const auto onFirst = [&](const auto& action) {
+    ranks.together([&] {
+      if (ranks.rank() == 0)
+      {
+        action();
+      }
+    });
+  };
+  AtomicFile topology(path, ranks);
+  onFirst([&] {
+    writeHeader(Text(topology), Magic, options);
+    writeTopology(Text(topology), all, options.indexBase);
+  });
   if (!options.separateGeometry)
   {
     writeGeometry(topology, all, options, run);
-    topology << "end\n";
-    topology.file().finish();
   }
   else
   {
@@ -297,19 +379,21 @@ void writeQuadflow(
     {
       throw Error("'" + path + "': the extension .bsp is that of the geometry file");
     }
-    topology << "GEOMETRY file " << encoded(geometryPath.substr(folderOf(geometryPath).size())) << "\nend\n";
-    topology.file().finish();
-    Text geometry(geometryPath);
-    writeHeader(geometry, GeometryMagic, options);
-    geometry << "counts blocks " << static_cast<int>(all.blocks.size()) << "\n";
+    onFirst([&] {
+      Text(topology) << "GEOMETRY file " << encoded(geometryPath.substr(folderOf(geometryPath).size())) << "\nend\n";
+      topology.finish();
+    });
+    AtomicFile geometry(geometryPath, ranks);
+    onFirst([&] {
+      writeHeader(Text(geometry), GeometryMagic, options);
+      Text(geometry) << "counts blocks " << static_cast<int>(all.blocks.size()) << "\n";
+    });
     writeGeometry(geometry, all, options, run);
-    geometry << "end\n";
-    geometry.file().finish();
-    run.report(1.0);
-    geometry.file().publish();
+    ranks.together([&] { run.report(1.0); });
+    onFirst([&] { geometry.publish(); });
   }
-  run.report(1.0);
-  topology.file().publish();
+  ranks.together([&] { run.report(1.0); });
+  onFirst([&] { topology.publish(); });
 }
 
 //------------------------------------------------------------------------------
@@ -455,6 +539,27 @@ public:
     this->At = this->End = nullptr;
   }
 
+  /// Leaves out the bytes that follow the current line.
+  void skipRaw(Index size)
+  {
+    if (size > this->Remaining)
+    {
+      this->fail("the file ends within binary numbers");
+    }
+    const Index buffered = std::min(size, static_cast<Index>(this->Last - this->First));
+    this->First += static_cast<std::size_t>(buffered);
+    if (size > buffered)
+    {
+      if (::fseeko(this->File.get(), size - buffered, SEEK_CUR) != 0)
+      {
+        throw Error("Cannot read '" + this->Path + "': " + std::strerror(errno));
+      }
+      this->Portion = SmallestPortion;
+    }
+    this->Remaining -= size;
+    this->At = this->End = nullptr;
+  }
+
   std::string name(const char* what)
   {
     const std::string_view text = this->word();
@@ -537,8 +642,9 @@ private:
         this->Buffer.resize(2 * this->Last);
       }
       data = this->Buffer.data();
-      const std::size_t read =
-        std::fread(this->Buffer.data() + this->Last, 1, this->Buffer.size() - this->Last, this->File.get());
+      const std::size_t read = std::fread(this->Buffer.data() + this->Last, 1,
+        std::min(this->Portion, this->Buffer.size() - this->Last), this->File.get());
+      this->Portion = std::min(2 * this->Portion, this->Buffer.size());
       this->Last += read;
       this->Finished = read == 0;
       if (std::ferror(this->File.get()))
@@ -565,6 +671,9 @@ private:
   std::string Path;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> File;
   std::vector<char> Buffer;
+  /// Bytes to read next: few where the next thing may be to leave out many.
+  static constexpr std::size_t SmallestPortion = std::size_t(1) << 14;
+  std::size_t Portion = SmallestPortion;
   std::size_t First = 0;
   std::size_t Last = 0;
   bool Finished = false;
@@ -579,14 +688,25 @@ constexpr int Any = std::numeric_limits<int>::max();
 class QuadflowReader
 {
 public:
-  QuadflowReader(const std::string& path, const QuadflowStorage& storage, const Execution& run)
+  QuadflowReader(
+    const std::string& path, const QuadflowStorage& storage, const Execution& run, const Piece& piece)
     : Storage(storage)
     , Run(run)
+    , Part(piece)
     , In(path)
   {
   }
 
   QuadflowCase read()
+  {
+    this->Run.ranks->together([this] { this->parse(); });
+    checkQuadflowCase(this->All, this->In.path(), this->GeometryPath, this->Run);
+    this->Run.ranks->together([this] { this->Run.report(1.0); });
+    return std::move(this->All);
+  }
+
+private:
+  void parse()
   {
     this->header(this->In, Magic);
     this->counts();
@@ -598,7 +718,6 @@ public:
     this->boundaryFaces();
     this->boundaryNames();
 
-    std::string geometryPath;
     this->In.expect("GEOMETRY");
     const std::string_view where = this->In.atEnd() ? "" : this->In.word();
     if (where != "file")
@@ -616,8 +735,8 @@ public:
         this->In.fail("the geometry file must lie in the same folder");
       }
       this->In.end();
-      geometryPath = folderOf(this->In.path()) + name;
-      Lines geometry(geometryPath);
+      this->GeometryPath = folderOf(this->In.path()) + name;
+      Lines geometry(this->GeometryPath);
       this->header(geometry, GeometryMagic);
       geometry.next("counts");
       geometry.expect("counts");
@@ -633,12 +752,8 @@ public:
       this->In.next("end");
       this->finish(this->In, true);
     }
-    checkQuadflowCase(this->All, this->In.path(), geometryPath);
-    this->Run.report(1.0);
-    return std::move(this->All);
   }
 
-private:
   void header(Lines& in, const char* magic)
   {
     in.next(magic);
@@ -944,6 +1059,7 @@ private:
     }
   }
 
+  /// @param points null if they are left out.
   void binaryPoints(Lines& in, const std::string& block, double* points, Index size, double total) const
   {
     double mark = 0.0;
@@ -951,6 +1067,11 @@ private:
     if (mark != ByteOrderMark)
     {
       in.fail(block + ": the binary numbers do not begin with 1 in the byte order that is stated");
+    }
+    if (!points)
+    {
+      in.skipRaw(3 * Index(sizeof(double)) * size);
+      return;
     }
     for (Index first = 0; first < size; first += PointsPerReport)
     {
@@ -973,6 +1094,7 @@ private:
     }
   }
 
+  /// @param points null if they are left out.
   void textPoints(Lines& in, double* points, Index size, double total) const
   {
     for (Index i = 0; i < size; ++i)
@@ -982,6 +1104,10 @@ private:
         this->Run.report(std::max(0.0, 1.0 - static_cast<double>(in.remaining()) / total));
       }
       in.next("a control point");
+      if (!points)
+      {
+        continue;
+      }
       for (int c = 0; c < 3; ++c)
       {
         *points++ = in.number("coordinate");
@@ -993,6 +1119,12 @@ private:
   void geometry(Lines& in)
   {
     const double total = static_cast<double>(in.remaining()) + 1.0;
+    std::vector<std::array<int, 3>> expected;
+    for (const QuadflowBlock& block : this->All.blocks)
+    {
+      expected.push_back({ block.cells[0] + 3, block.cells[1] + 3, block.cells[2] + 3 });
+    }
+    const std::vector<int> owners = this->Part.owners(expected);
     for (std::size_t b = 0; b < this->All.blocks.size(); ++b)
     {
       QuadflowBlock& block = this->All.blocks[b];
@@ -1033,8 +1165,9 @@ private:
       in.expect("points");
       in.end();
       block.pointsLine = in.line() + (this->Binary ? 0 : 1);
-      double* points = this->Storage(static_cast<int>(b), counts);
+      double* points = owners[b] == this->Part.number ? this->Storage(static_cast<int>(b), counts) : nullptr;
       volume.points = points;
+      volume.rank = owners[b];
       if (this->Binary)
       {
         this->binaryPoints(in, "block " + std::to_string(b + this->Base), points, size, total);
@@ -1092,7 +1225,9 @@ private:
 
   QuadflowStorage Storage;
   Execution Run;
+  Piece Part;
   Lines In;
+  std::string GeometryPath;
   int Base = 0;
   bool UnitKnots = false;
   bool Binary = false;
@@ -1116,9 +1251,10 @@ bool looksLikeQuadflow(const std::string& path)
   }
 }
 
-QuadflowCase readQuadflow(const std::string& path, const QuadflowStorage& storage, const Execution& run)
+QuadflowCase readQuadflow(
+  const std::string& path, const QuadflowStorage& storage, const Execution& run, const Piece& piece)
 {
-  return QuadflowReader(path, storage, run).read();
+  return QuadflowReader(path, storage, run, piece).read();
 }
 
 } // namespace bsv

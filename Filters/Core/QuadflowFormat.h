@@ -7,6 +7,7 @@
 /// it is not claimed.
 #pragma once
 
+#include "Piece.h"
 #include "QuadflowCase.h"
 
 #include <functional>
@@ -29,6 +30,9 @@ struct QuadflowOptions
 
 /// Writes `all`, which must have passed checkQuadflowCase(). Nothing is left behind after an error or an abort, and
 /// an old file is untouched.
+///
+/// Ranks write one file, the same for any number of them: rank 0 what comes before the geometry, and each its own
+/// blocks, all at once. They must see the same folder.
 /// @throws Error, Aborted
 void writeQuadflow(
   const QuadflowCase& all, const std::string& path, const QuadflowOptions& options = {}, const Execution& run = {});
@@ -40,8 +44,12 @@ bool looksLikeQuadflow(const std::string& path);
 using QuadflowStorage = std::function<double*(int block, const std::array<int, 3>& counts)>;
 
 /// Reads and checks a file, text or binary in any byte order, and the geometry file that it names. Counts are compared
-/// with the size of the file before memory is asked for.
+/// with the size of the file before memory is asked for. Collective.
+///
+/// Of blocks that do not belong to `piece` the control points are skipped. As their numbers are not known before, blocks
+/// are shared out by those of a cubic with simple knots, cells + 3 per direction.
 /// @throws Error naming file and line, Aborted
-QuadflowCase readQuadflow(const std::string& path, const QuadflowStorage& storage, const Execution& run = {});
+QuadflowCase readQuadflow(
+  const std::string& path, const QuadflowStorage& storage, const Execution& run = {}, const Piece& piece = {});
 
 } // namespace bsv

@@ -2,6 +2,7 @@
 #include "Smoothness.h"
 
 #include "Conversion.h"
+#include "Ranks.h"
 #include "SharedEntities.h"
 
 #include <Eigen/Geometry>
@@ -94,28 +95,40 @@ struct Trace
   double length = 0.0; ///< of the first span across
   double size = 0.0;   ///< largest coordinate
 
+  std::size_t points() const { return std::size_t(this->count[0]) * this->count[1]; }
   const Layers& at(int i, int j) const { return this->net[i + std::size_t(this->count[0]) * j]; }
 };
 
-/// The block face `face`; or, with `within` >= 0, its edge in the boundary face `within`.
-Trace makeTrace(const BSplineVolume& volume, int face, int within)
+/// Block directions along the axes of a trace.
+std::array<int, 2> traceAxes(int face, int within)
 {
-  const EndWeights across(volume, face);
-  std::array<int, 2> axes{ faceAxis(face, 0), faceAxis(face, 1) };
-  if (within >= 0 && axes[0] == faceDirection(within))
-  {
-    std::swap(axes[0], axes[1]);
-  }
+  const std::array<int, 2> axes{ faceAxis(face, 0), faceAxis(face, 1) };
+  return within >= 0 && axes[0] == faceDirection(within) ? std::array<int, 2>{ axes[1], axes[0] } : axes;
+}
+
+/// A trace without its net, which needs no control points.
+Trace emptyTrace(const BSplineVolume& volume, int face, int within)
+{
+  const std::array<int, 2> axes = traceAxes(face, within);
   Trace trace;
-  trace.rational = volume.weights != nullptr;
-  trace.length = across.length;
+  trace.length = EndWeights(volume, face).length;
   for (int k = 0; k < (within < 0 ? 2 : 1); ++k)
   {
     trace.degree[k] = volume.degree[axes[k]];
     trace.count[k] = volume.count(axes[k]);
     trace.knots[k] = volume.knots[axes[k]];
   }
-  trace.net.reserve(std::size_t(trace.count[0]) * trace.count[1]);
+  return trace;
+}
+
+/// The block face `face`; or, with `within` >= 0, its edge in the boundary face `within`.
+Trace makeTrace(const BSplineVolume& volume, int face, int within)
+{
+  const EndWeights across(volume, face);
+  const std::array<int, 2> axes = traceAxes(face, within);
+  Trace trace = emptyTrace(volume, face, within);
+  trace.rational = volume.weights != nullptr;
+  trace.net.reserve(trace.points());
   const std::array<Index, 3> stride{ 1, volume.count(0), Index(volume.count(0)) * volume.count(1) };
   const auto layers = [&](int i, int j) {
     Layers sum = Layers::Zero();
@@ -162,6 +175,46 @@ Trace makeTrace(const BSplineVolume& volume, int face, int within)
     trace.net.push_back(sum);
   }
   return trace;
+}
+
+/// A trace as numbers for another rank. The weights of a polynomial one are the same at all its points.
+std::vector<double> packedTrace(const Trace& trace)
+{
+  std::vector<double> numbers{ trace.rational ? 1.0 : 0.0, trace.size };
+  numbers.reserve(5 + 12 * trace.points());
+  for (int layer = 0; layer < 3; ++layer)
+  {
+    numbers.push_back(trace.net[0][4 * layer + 3]);
+  }
+  for (const Layers& point : trace.net)
+  {
+    for (int layer = 0; layer < 3; ++layer)
+    {
+      numbers.insert(numbers.end(), point.data() + 4 * layer, point.data() + 4 * layer + (trace.rational ? 4 : 3));
+    }
+  }
+  return numbers;
+}
+
+/// Completes an emptyTrace(). @return what follows in the numbers.
+const double* unpackTrace(const double* numbers, Trace& trace)
+{
+  trace.rational = *numbers++ != 0.0;
+  trace.size = *numbers++;
+  const double* weights = numbers;
+  numbers += 3;
+  trace.net.resize(trace.points());
+  for (Layers& point : trace.net)
+  {
+    for (int layer = 0; layer < 3; ++layer)
+    {
+      const int size = trace.rational ? 4 : 3;
+      point[4 * layer + 3] = weights[layer];
+      std::copy_n(numbers, size, point.data() + 4 * layer);
+      numbers += size;
+    }
+  }
+  return numbers;
 }
 
 //------------------------------------------------------------------------------
@@ -509,13 +562,35 @@ double rise(double low, double middle, double high)
 // One join
 //------------------------------------------------------------------------------
 
+/// The boundary face of a wall border, else -1.
+int withinFace(const Join& join, int side)
+{
+  return join.border() ? join.sides[side].face : -1;
+}
+
+/// The face across which derivatives are taken: on a wall border the other one at the edge.
+int acrossFace(const Join& join, int k)
+{
+  const Join::Side& side = join.sides[k];
+  if (!join.border())
+  {
+    return side.face;
+  }
+  const int direction = edgeDirection(side.edge);
+  const int axis = faceAxis(2 * direction, 0) == faceDirection(side.face) ? 1 : 0;
+  return 2 * faceAxis(2 * direction, axis) + edgeSide(side.edge, axis);
+}
+
 /// Measures one join: prepare(), then evaluateRow() for every row in any order, then finish().
 class JoinMeasurement
 {
 public:
-  JoinMeasurement(const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, Join& join)
+  /// @param fetchedB trace of side B if it came from another rank, else null; prepare() takes it.
+  JoinMeasurement(
+    const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, Trace* fetchedB, Join& join)
     : Volumes(volumes)
     , Options(options)
+    , FetchedB(fetchedB)
     , Parts(options.samplesPerSpan)
     , Result(join)
   {
@@ -527,7 +602,9 @@ public:
     std::array<Trace, 2> traces;
     for (int k = 0; k < 2; ++k)
     {
-      traces[k] = makeTrace(this->volume(k), this->acrossFace(k), this->within(k));
+      traces[k] = k == 1 && this->FetchedB
+        ? std::move(*this->FetchedB)
+        : makeTrace(this->volume(k), acrossFace(this->Result, k), withinFace(this->Result, k));
       if (!std::isfinite(traces[k].size))
       {
         return false;
@@ -604,22 +681,6 @@ public:
 
 private:
   const BSplineVolume& volume(int k) const { return this->Volumes[this->Result.sides[k].block]; }
-
-  /// The boundary face of a wall border, else -1.
-  int within(int k) const { return this->Result.border() ? this->Result.sides[k].face : -1; }
-
-  /// The face across which derivatives are taken: on a wall border the other one at the edge.
-  int acrossFace(int k) const
-  {
-    const Join::Side& side = this->Result.sides[k];
-    if (!this->Result.border())
-    {
-      return side.face;
-    }
-    const int direction = edgeDirection(side.edge);
-    const int axis = faceAxis(2 * direction, 0) == faceDirection(side.face) ? 1 : 0;
-    return 2 * faceAxis(2 * direction, axis) + edgeSide(side.edge, axis);
-  }
 
   /// The smallest of the 16 ways to look at the join. Ways that compare equal give the same bits.
   void chooseFrame(const std::array<Trace, 2>& traces)
@@ -919,8 +980,8 @@ private:
   {
     const int k = this->Exchange ? 1 - side : side;
     const BSplineVolume& v = this->volume(k);
-    const int face = this->acrossFace(k);
-    const int within = this->within(k);
+    const int face = acrossFace(this->Result, k);
+    const int within = withinFace(this->Result, k);
     std::array<int, 2> axes{ faceAxis(face, 0), faceAxis(face, 1) };
     Vec3 uvw;
     uvw[faceDirection(face)] = EndWeights(v, face).at;
@@ -947,6 +1008,7 @@ private:
 
   const std::vector<BSplineVolume>& Volumes;
   const SmoothnessOptions& Options;
+  Trace* FetchedB;
   int Parts;
   Join& Result;
   /// In the frame; B first if Exchange.
@@ -963,6 +1025,12 @@ private:
 //------------------------------------------------------------------------------
 // All joins
 //------------------------------------------------------------------------------
+
+/// The rank that measures a join.
+int rankOf(const std::vector<BSplineVolume>& volumes, const Join& join)
+{
+  return volumes[join.sides[0].block].rank;
+}
 
 /// The pairs of outer faces that meet along a block edge.
 std::vector<Join> outerBorders(const SharedEntities& shared)
@@ -1082,6 +1150,23 @@ struct SideRow
   std::vector<Vec3> points;
   std::vector<double> normalJump; ///< of the layers that the side pierces
 
+  /// From another rank.
+  SideRow(const double*& packed, int count)
+    : normalJump(packed, packed + count)
+  {
+    for (packed += count; count > 0; --count, packed += 3)
+    {
+      this->points.emplace_back(packed);
+    }
+  }
+  void pack(std::vector<double>& to) const
+  {
+    to.insert(to.end(), this->normalJump.begin(), this->normalJump.end());
+    for (const Vec3& point : this->points)
+    {
+      to.insert(to.end(), point.data(), point.data() + 3);
+    }
+  }
   SideRow(const Join& join, int axis, int side, bool reversed)
   {
     const int count = join.samples[axis];
@@ -1113,26 +1198,55 @@ struct SideRow
   }
 };
 
-std::vector<ExtraordinaryCurve> extraordinaryCurves(const SharedEntities& shared, const std::vector<Join>& joins)
+std::vector<ExtraordinaryCurve> extraordinaryCurves(const std::vector<BSplineVolume>& volumes,
+  const SharedEntities& shared, const std::vector<Join>& joins, const Ranks& ranks)
 {
-  std::vector<std::vector<SideRow>> rows(shared.edges.size());
-  for (const Join& join : joins)
-  {
-    for (int n = 0; n < 4 && !join.border(); ++n)
+  // visit(join, axis, side, edge, reversed) for the sides of interfaces at extraordinary edges, in one order on all
+  // ranks. A row goes from the rank of the join to that of the curve.
+  const auto overSides = [&](const auto& visit) {
+    for (const Join& join : joins)
     {
-      const int axis = n < 2 ? 1 : 0;
-      const int own = faceEdge(join.sides[0].face, axis, n % 2);
-      const SharedEntities::Block& block = shared.blocks[join.sides[0].block];
-      if (isExtraordinary(shared.edges[block.edges[own]]))
+      for (int n = 0; n < 4 && !join.border(); ++n)
       {
-        rows[block.edges[own]].emplace_back(join, axis, n % 2, block.edgeReversed[own]);
+        const int axis = n < 2 ? 1 : 0;
+        const int own = faceEdge(join.sides[0].face, axis, n % 2);
+        const SharedEntities::Block& block = shared.blocks[join.sides[0].block];
+        if (isExtraordinary(shared.edges[block.edges[own]]))
+        {
+          visit(join, axis, n % 2, block.edges[own], block.edgeReversed[own]);
+        }
       }
     }
+  };
+  const auto rankOfEdge = [&](int edge) { return volumes[shared.edges[edge].block].rank; };
+  const int rank = ranks.rank();
+  std::vector<std::vector<double>> toRank(ranks.size());
+  overSides([&](const Join& join, int axis, int side, int edge, bool reversed) {
+    if (rankOf(volumes, join) == rank && rankOfEdge(edge) != rank)
+    {
+      SideRow(join, axis, side, reversed).pack(toRank[rankOfEdge(edge)]);
+    }
+  });
+  const std::vector<std::vector<double>> received = ranks.exchange(toRank);
+  std::vector<const double*> next;
+  for (const std::vector<double>& part : received)
+  {
+    next.push_back(part.data());
   }
+  std::vector<std::vector<SideRow>> rows(shared.edges.size());
+  overSides([&](const Join& join, int axis, int side, int edge, bool reversed) {
+    const int from = rankOf(volumes, join);
+    if (rankOfEdge(edge) == rank)
+    {
+      rows[edge].push_back(
+        from == rank ? SideRow(join, axis, side, reversed) : SideRow(next[from], join.samples[axis]));
+    }
+  });
+
   std::vector<ExtraordinaryCurve> curves;
   for (int e = 0; e < static_cast<int>(shared.edges.size()); ++e)
   {
-    if (rows[e].empty())
+    if (!isExtraordinary(shared.edges[e]))
     {
       continue;
     }
@@ -1142,7 +1256,10 @@ std::vector<ExtraordinaryCurve> extraordinaryCurves(const SharedEntities& shared
     curve.edge = shared.edges[e].edge;
     const auto longest = std::max_element(rows[e].begin(), rows[e].end(),
       [](const SideRow& a, const SideRow& b) { return a.points.size() < b.points.size(); });
-    curve.points = longest->points;
+    if (longest != rows[e].end())
+    {
+      curve.points = longest->points;
+    }
     curve.normalJump.assign(curve.points.size(), 0.0);
     for (const SideRow& row : rows[e])
     {
@@ -1180,60 +1297,206 @@ double controlPoints(const BSplineVolume& volume, const Join& join)
                        : double(volume.count(faceAxis(side.face, 0))) * volume.count(faceAxis(side.face, 1));
 }
 
-/// Measures joins in batches: their traces need more memory than their results. `done` counts the control
-/// points of all joins, `total` is their number.
+/// The traces of sides B that are on other ranks than sides A, for the joins measured here; the others are empty.
+std::vector<Trace> fetchTraces(
+  const std::vector<BSplineVolume>& volumes, const std::vector<Join>& joins, const Execution& run)
+{
+  const Ranks& ranks = *run.ranks;
+  std::vector<Trace> traces;
+  if (ranks.size() == 1)
+  {
+    return traces;
+  }
+  // All ranks know who needs what, in one order.
+  std::vector<const Join*> wanted;
+  for (const Join& join : joins)
+  {
+    const int rankB = volumes[join.sides[1].block].rank;
+    if (rankB == ranks.rank() && rankOf(volumes, join) != rankB)
+    {
+      wanted.push_back(&join);
+    }
+  }
+  std::vector<std::vector<double>> packed(wanted.size());
+  std::vector<std::vector<double>> toRank(ranks.size());
+  ranks.together([&] {
+    run.parallelFor(static_cast<Index>(wanted.size()), 1, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        const Join& join = *wanted[n];
+        packed[n] = packedTrace(makeTrace(volumes[join.sides[1].block], acrossFace(join, 1), withinFace(join, 1)));
+      }
+    });
+    for (std::size_t n = 0; n < wanted.size(); ++n)
+    {
+      std::vector<double>& to = toRank[rankOf(volumes, *wanted[n])];
+      to.insert(to.end(), packed[n].begin(), packed[n].end());
+    }
+  });
+  const std::vector<std::vector<double>> received = ranks.exchange(toRank);
+  std::vector<const double*> next;
+  for (const std::vector<double>& part : received)
+  {
+    next.push_back(part.data());
+  }
+  traces.resize(joins.size());
+  for (std::size_t n = 0; n < joins.size(); ++n)
+  {
+    const BSplineVolume& volume = volumes[joins[n].sides[1].block];
+    if (volume.rank != ranks.rank() && rankOf(volumes, joins[n]) == ranks.rank())
+    {
+      traces[n] = emptyTrace(volume, acrossFace(joins[n], 1), withinFace(joins[n], 1));
+      next[volume.rank] = unpackTrace(next[volume.rank], traces[n]);
+    }
+  }
+  return traces;
+}
+
+/// Measures the joins of this rank in batches: their traces need more memory than their results. `done` counts the
+/// control points of all its joins, `total` is their number.
 void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOptions& options, std::vector<Join>& joins,
   double& done, double total, const Execution& run)
 {
   constexpr double BatchSize = 1e5; // control points
-  for (std::size_t first = 0; first < joins.size();)
+  std::vector<Trace> fetched = fetchTraces(volumes, joins, run);
+  std::vector<std::size_t> own;
+  for (std::size_t n = 0; n < joins.size(); ++n)
   {
-    run.report(done / total);
-    std::vector<JoinMeasurement> batch;
-    double size = 0.0;
-    while (first + batch.size() < joins.size() && size < BatchSize)
+    if (rankOf(volumes, joins[n]) == run.ranks->rank())
     {
-      Join& join = joins[first + batch.size()];
-      size += controlPoints(volumes[join.sides[0].block], join);
-      batch.emplace_back(volumes, options, join);
+      own.push_back(n);
     }
-    const Index count = static_cast<Index>(batch.size());
-    std::vector<char> finite(batch.size(), 1);
-    run.parallelFor(count, 1, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
-      {
-        finite[n] = batch[n].prepare() ? 1 : 0;
-      }
-    });
-    std::vector<Index> rows{ 0 };
-    for (Index n = 0; n < count; ++n)
-    {
-      if (!finite[n])
-      {
-        const auto& sides = joins[first + n].sides;
-        throw Error("control points at the join of " + options.blockName(sides[0].block) + " face " +
-          std::to_string(sides[0].face) + " and " + options.blockName(sides[1].block) + " face " +
-          std::to_string(sides[1].face) + " are not finite");
-      }
-      rows.push_back(rows.back() + batch[n].rows());
-    }
-    run.parallelFor(rows.back(), 4, [&](Index begin, Index end) {
-      Index n = std::upper_bound(rows.begin(), rows.end(), begin) - rows.begin() - 1;
-      for (Index row = begin; row < end; ++row)
-      {
-        n += row == rows[n + 1] ? 1 : 0;
-        batch[n].evaluateRow(row - rows[n]);
-      }
-    });
-    run.parallelFor(count, 1, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
-      {
-        batch[n].finish();
-      }
-    });
-    first += batch.size();
-    done += size;
   }
+  std::vector<std::size_t> bad;
+  run.ranks->together([&] {
+    for (std::size_t first = 0; first < own.size() && bad.empty();)
+    {
+      run.report(done / total);
+      std::vector<JoinMeasurement> batch;
+      double size = 0.0;
+      while (first + batch.size() < own.size() && size < BatchSize)
+      {
+        const std::size_t n = own[first + batch.size()];
+        const auto& sides = joins[n].sides;
+        const bool remote = volumes[sides[1].block].rank != volumes[sides[0].block].rank;
+        size += controlPoints(volumes[sides[0].block], joins[n]);
+        batch.emplace_back(volumes, options, remote ? &fetched[n] : nullptr, joins[n]);
+      }
+      const Index count = static_cast<Index>(batch.size());
+      std::vector<char> finite(batch.size(), 1);
+      run.parallelFor(count, 1, [&](Index begin, Index end) {
+        for (Index n = begin; n < end; ++n)
+        {
+          finite[n] = batch[n].prepare() ? 1 : 0;
+        }
+      });
+      std::vector<Index> rows{ 0 };
+      for (Index n = 0; n < count; ++n)
+      {
+        if (!finite[n])
+        {
+          bad = { own[first + n] };
+          return;
+        }
+        rows.push_back(rows.back() + batch[n].rows());
+      }
+      run.parallelFor(rows.back(), 4, [&](Index begin, Index end) {
+        Index n = std::upper_bound(rows.begin(), rows.end(), begin) - rows.begin() - 1;
+        for (Index row = begin; row < end; ++row)
+        {
+          n += row == rows[n + 1] ? 1 : 0;
+          batch[n].evaluateRow(row - rows[n]);
+        }
+      });
+      run.parallelFor(count, 1, [&](Index begin, Index end) {
+        for (Index n = begin; n < end; ++n)
+        {
+          batch[n].finish();
+        }
+      });
+      first += batch.size();
+      done += size;
+    }
+  });
+  // The first of all ranks.
+  bad = run.ranks->gatherAll(bad);
+  if (!bad.empty())
+  {
+    const auto& sides = joins[*std::min_element(bad.begin(), bad.end())].sides;
+    throw Error("control points at the join of " + options.blockName(sides[0].block) + " face " +
+      std::to_string(sides[0].face) + " and " + options.blockName(sides[1].block) + " face " +
+      std::to_string(sides[1].face) + " are not finite");
+  }
+}
+
+/// Tells all ranks what they need to know of the joins that this one measured.
+void shareResults(const std::vector<BSplineVolume>& volumes, std::vector<Join>& joins, const Ranks& ranks)
+{
+  struct Summary
+  {
+    std::size_t join;
+    std::array<int, 2> spans, samples;
+    bool crease;
+    std::array<std::array<double, 10>, JumpKinds> worst;
+  };
+  if (ranks.size() == 1)
+  {
+    return;
+  }
+  std::vector<Summary> own;
+  for (std::size_t n = 0; n < joins.size(); ++n)
+  {
+    const Join& join = joins[n];
+    if (rankOf(volumes, join) == ranks.rank())
+    {
+      own.push_back({ n, join.spans, join.samples, join.crease, {} });
+      for (int kind = 0; kind < JumpKinds; ++kind)
+      {
+        double* to = own.back().worst[kind].data();
+        *to++ = join.worst[kind].value;
+        for (const Vec3& x : { join.worst[kind].point, join.worst[kind].uvw[0], join.worst[kind].uvw[1] })
+        {
+          to = std::copy_n(x.data(), 3, to);
+        }
+      }
+    }
+  }
+  for (const Summary& summary : ranks.gatherAll(own))
+  {
+    Join& join = joins[summary.join];
+    join.spans = summary.spans;
+    join.samples = summary.samples;
+    join.crease = summary.crease;
+    for (int kind = 0; kind < JumpKinds; ++kind)
+    {
+      const double* from = summary.worst[kind].data();
+      join.worst[kind].value = from[0];
+      join.worst[kind].point = Eigen::Map<const Vec3>(from + 1);
+      join.worst[kind].uvw = { Eigen::Map<const Vec3>(from + 4), Eigen::Map<const Vec3>(from + 7) };
+    }
+  }
+}
+
+/// Diagonal of the bounding box of the points of all joins.
+double extent(const std::vector<Join>& joins, const Ranks& ranks)
+{
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  for (const Join& join : joins)
+  {
+    for (const Vec3& point : join.points)
+    {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+  }
+  using Box = std::array<double, 6>;
+  for (const Box& box : ranks.gatherAll<Box>({ { low[0], low[1], low[2], high[0], high[1], high[2] } }))
+  {
+    low = low.cwiseMin(Eigen::Map<const Vec3>(box.data()));
+    high = high.cwiseMax(Eigen::Map<const Vec3>(box.data() + 3));
+  }
+  return joins.empty() ? 0.0 : (high - low).norm();
 }
 
 } // namespace
@@ -1279,7 +1542,7 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
   {
     for (const Join& join : *joins)
     {
-      total += controlPoints(volumes[join.sides[0].block], join);
+      total += rankOf(volumes, join) == run.ranks->rank() ? controlPoints(volumes[join.sides[0].block], join) : 0.0;
     }
   }
 
@@ -1287,41 +1550,38 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
   // kink.
   double done = 0.0;
   measureJoins(volumes, options, borders, done, total, run);
-  std::vector<bool> crease(shared.edges.size(), false);
   for (Join& join : borders)
   {
-    const Join::Side& side = join.sides[0];
-    const unsigned char* rules = options.rules.empty() ? nullptr : options.rules[side.block];
-    join.crease = taggedCrease(join, volumes[side.block], rules) || isSharp(join, options.creaseAngle);
-    crease[shared.blocks[side.block].edges[side.edge]] = join.crease;
+    const int block = join.sides[0].block;
+    if (volumes[block].rank == run.ranks->rank())
+    {
+      const unsigned char* rules = options.rules.empty() ? nullptr : options.rules[block];
+      join.crease = taggedCrease(join, volumes[block], rules) || isSharp(join, options.creaseAngle);
+    }
+  }
+  shareResults(volumes, borders, *run.ranks);
+  std::vector<bool> crease(shared.edges.size(), false);
+  for (const Join& join : borders)
+  {
+    crease[shared.blocks[join.sides[0].block].edges[join.sides[0].edge]] = join.crease;
   }
   for (Join& join : result.joins)
   {
     describeInterface(shared, crease, join);
   }
   measureJoins(volumes, options, result.joins, done, total, run);
+  shareResults(volumes, result.joins, *run.ranks);
   std::copy_if(borders.begin(), borders.end(), std::back_inserter(result.joins), [&](const Join& join) {
     return std::all_of(join.sides.begin(), join.sides.end(),
       [&](const Join::Side& side) { return options.isWall(side.block, side.face); });
   });
 
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  for (const Join& join : result.joins)
-  {
-    for (const Vec3& point : join.points)
-    {
-      low = low.cwiseMin(point);
-      high = high.cwiseMax(point);
-    }
-  }
-  const double gapTolerance = result.joins.empty() ? 0.0 : options.gapTolerance * (high - low).norm();
-
+  const double gapTolerance = options.gapTolerance * extent(result.joins, *run.ranks);
   for (Join& join : result.joins)
   {
     join.continuity = continuityOf(join, gapTolerance, options.tolerance);
   }
-  result.curves = extraordinaryCurves(shared, result.joins);
+  result.curves = extraordinaryCurves(volumes, shared, result.joins, *run.ranks);
 
   result.ranking.resize(result.joins.size());
   std::iota(result.ranking.begin(), result.ranking.end(), 0);

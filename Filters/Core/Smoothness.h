@@ -86,8 +86,8 @@ struct SmoothnessOptions
   double tolerance = 1e-6;
   /// The outer faces that form the wall. Borders with other faces are not listed, but may be creases as well.
   std::function<bool(int block, int face)> isWall = [](int, int) { return true; };
-  /// ControlPointRule per control point of each block, or null; the list may be empty. A wall border whose inner
-  /// control points are all made by crease or corner rules is a crease at any angle.
+  /// ControlPointRule per control point of each block, or null, also for blocks of other ranks; the list may be empty.
+  /// A wall border whose inner control points are all made by crease or corner rules is a crease at any angle.
   std::vector<const unsigned char*> rules;
   /// How errors call a block.
   std::function<std::string(int block)> blockName = [](int block) { return "block " + std::to_string(block); };
@@ -138,11 +138,11 @@ struct Join
   std::array<int, 2> spans{ 1, 1 };
   /// Samples along s and t: samplesPerSpan * spans + 1, or 1 along the t of a wall border.
   std::array<int, 2> samples{ 0, 0 };
-  /// Per sample, s fastest: the mean of both sides and the jumps. Where derivatives along the join are discontinuous
-  /// there, the largest of all one-sided jumps.
+  /// On the rank of block A only: per sample, s fastest, the mean of both sides and the jumps. Where derivatives along
+  /// the join are discontinuous there, the largest of all one-sided jumps.
   std::vector<Vec3> points;
   std::array<std::vector<double>, JumpKinds> values;
-  /// Largest jump per span, s fastest.
+  /// On the rank of block A only: largest jump per span, s fastest.
   std::array<std::vector<double>, JumpKinds> spanMaxima;
 };
 
@@ -150,7 +150,7 @@ struct Join
 struct ExtraordinaryCurve
 {
   int valence = 0;
-  /// One of the block edges.
+  /// One of the block edges. Only the block's rank has the points.
   int block = 0;
   int edge = 0;
   std::vector<Vec3> points;
@@ -184,7 +184,9 @@ struct SmoothnessResult
 /// around promise too little, or it is below a thousandth of what counts as smooth.
 ///
 /// The values are the same bits for any order and orientation of the blocks, if knots are spaced equally bit for bit in
-/// both senses, and for any `run`. Interfaces span whole faces; their ranges are not used.
+/// both senses, and for any `run`, its ranks included: each measures the joins whose block A it has, from the traces
+/// that the ranks of the blocks B send, and all know the maxima. Interfaces span whole faces; their ranges are not
+/// used.
 /// @param volumes must have passed checkBSplineVolume().
 /// @throws Error for options out of range, control points of joins that are not finite, and what sharedEntities()
 /// refuses; Aborted.

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ClosestPoint.h"
 #include "Converter.h"
+#include "OwnedValues.h"
 
 #include <algorithm>
+#include <limits>
+#include <set>
 
 namespace bsv
 {
@@ -156,37 +159,97 @@ void Converter::convertTouchingSurfaces(Star& star) const
   }
 }
 
-bool Converter::bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const
+void Converter::collectGiven()
 {
-  const auto givenAt = [&](const std::vector<const double*>& arrays, Vec3& value) {
-    bool found = false;
-    for (const VertexStar::Block& entry : star.blocks)
+  const auto isGiven = [&](const std::vector<const double*>& arrays) {
+    return this->Run.ranks->any(
+      std::any_of(arrays.begin(), arrays.end(), [](const double* array) { return array != nullptr; }));
+  };
+  const bool points = isGiven(this->Options.projectedPoints);
+  const bool normals = isGiven(this->Options.surfaceNormals);
+  if (!points && !normals)
+  {
+    return;
+  }
+  std::set<int> vertices;
+  for (std::size_t face = 0; face < this->Complex.faces.size(); ++face)
+  {
+    if (this->isWall(static_cast<int>(face)))
     {
-      const ComplexBlock& owner = this->Complex.blocks[entry.block];
-      const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
-      if (!array)
+      const FaceUse& use = this->Complex.faces[face].uses.front();
+      for (int corner = 0; corner < 4; ++corner)
       {
-        continue;
-      }
-      // Strides of the parent's points are those of its arrays.
-      Index at = 0;
-      for (int d = 0; d < 3; ++d)
-      {
-        at += owner.points.stride(d) * (owner.offset[d] + (cornerSide(entry.corner, d) ? owner.cells(d) : 0));
-      }
-      const Vec3 given(array[3 * at], array[3 * at + 1], array[3 * at + 2]);
-      // Copies may differ in the blocks: the smallest is as good as any and is the same in every order.
-      if (given.allFinite() &&
-        (!found || std::lexicographical_compare(given.data(), given.data() + 3, value.data(), value.data() + 3)))
-      {
-        value = given;
-        found = true;
+        vertices.insert(this->Complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]);
       }
     }
-    return found;
+  }
+  struct Copy
+  {
+    int vertex;
+    CornerUse corner;
   };
-  const bool hasPoint = givenAt(this->Options.projectedPoints, foot.point);
-  const bool hasNormal = givenAt(this->Options.surfaceNormals, foot.normal) && foot.normal.norm() > 0.0;
+  std::vector<Copy> copies;
+  for (const int vertex : vertices)
+  {
+    for (const CornerUse& corner : this->Complex.vertices[vertex].corners)
+    {
+      copies.push_back({ vertex, corner });
+    }
+  }
+  const auto collect = [&](const std::vector<const double*>& arrays, std::map<int, Vec3>& result) {
+    const auto values = gatherFromOwners<std::array<double, 3>>(
+      *this->Run.ranks, copies.size(),
+      [&](std::size_t i) { return this->Complex.blocks[copies[i].corner.block].rank; },
+      [&](std::size_t i) {
+        const ComplexBlock& owner = this->Complex.blocks[copies[i].corner.block];
+        const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
+        if (!array)
+        {
+          constexpr double NaN = std::numeric_limits<double>::quiet_NaN();
+          return std::array<double, 3>{ NaN, NaN, NaN };
+        }
+        // Strides of the parent's points are those of its arrays.
+        Index at = 0;
+        for (int d = 0; d < 3; ++d)
+        {
+          at += owner.points.stride(d) *
+            (owner.offset[d] + (cornerSide(copies[i].corner.corner, d) ? owner.cells(d) : 0));
+        }
+        return std::array<double, 3>{ array[3 * at], array[3 * at + 1], array[3 * at + 2] };
+      });
+    for (std::size_t i = 0; i < copies.size(); ++i)
+    {
+      // Copies may differ in the blocks: the smallest is as good as any and is the same in every order.
+      const Vec3 given(values[i].data());
+      const auto found = result.find(copies[i].vertex);
+      if (given.allFinite() &&
+        (found == result.end() ||
+          std::lexicographical_compare(
+            given.data(), given.data() + 3, found->second.data(), found->second.data() + 3)))
+      {
+        result[copies[i].vertex] = given;
+      }
+    }
+  };
+  if (points)
+  {
+    collect(this->Options.projectedPoints, this->GivenPoints);
+  }
+  if (normals)
+  {
+    collect(this->Options.surfaceNormals, this->GivenNormals);
+  }
+}
+
+bool Converter::bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const
+{
+  const auto givenAt = [&](const std::map<int, Vec3>& given, Vec3& value) {
+    const auto found = given.find(star.vertex);
+    value = found == given.end() ? value : found->second;
+    return found != given.end();
+  };
+  const bool hasPoint = givenAt(this->GivenPoints, foot.point);
+  const bool hasNormal = givenAt(this->GivenNormals, foot.normal) && foot.normal.norm() > 0.0;
   if (!hasPoint && !hasNormal && !this->Options.body)
   {
     return false;

@@ -75,7 +75,7 @@ void Converter::convertVertex(int vertex)
     {
       star.rule = ControlPointRule::SingularNode;
       star.center = solidLimitPoint(star);
-      ++this->SingularNodes;
+      this->SingularNodes += this->isHere(this->Complex.vertices[vertex].corners.front().block) ? 1 : 0;
     }
     this->convertAnchored(star);
   }
@@ -112,6 +112,7 @@ Converter::Star Converter::makeStar(int vertex) const
 {
   Star star;
   static_cast<VertexStar&>(star) = vertexStar(this->Complex, vertex);
+  star.vertex = vertex;
   star.boundary = this->Complex.vertices[vertex].boundary;
   star.center = star.point;
   const std::size_t edges = star.edges.size();

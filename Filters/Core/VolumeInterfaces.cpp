@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VolumeInterfaces.h"
 
+#include "Ranks.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -85,6 +87,53 @@ ProbedFace probe(const BSplineVolume& volume, int face, double fraction)
   return result;
 }
 
+/// Gives every rank the faces of all blocks.
+void shareFaces(const std::vector<BSplineVolume>& volumes, const Ranks& ranks, std::vector<ProbedFace>& faces)
+{
+  struct Packed
+  {
+    std::size_t face;
+    std::array<double, 3 * (Steps + 1) * (Steps + 1)> points;
+    double tolerance;
+    bool finite;
+  };
+  if (ranks.size() == 1)
+  {
+    return;
+  }
+  std::vector<Packed> own;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+  {
+    if (volumes[f / 6].rank == ranks.rank())
+    {
+      own.push_back({ f, {}, faces[f].tolerance, faces[f].finite });
+      double* to = own.back().points.data();
+      for (const auto& row : faces[f].points)
+      {
+        for (const Vec3& x : row)
+        {
+          to = std::copy_n(x.data(), 3, to);
+        }
+      }
+    }
+  }
+  for (const Packed& packed : ranks.gatherAll(own))
+  {
+    ProbedFace& face = faces[packed.face];
+    face.tolerance = packed.tolerance;
+    face.finite = packed.finite;
+    const double* from = packed.points.data();
+    for (auto& row : face.points)
+    {
+      for (Vec3& x : row)
+      {
+        x = Eigen::Map<const Vec3>(from);
+        from += 3;
+      }
+    }
+  }
+}
+
 /// Largest distance of the samples if `b` is seen in orientation `o` from `a`.
 double mismatch(const ProbedFace& a, const ProbedFace& b, int o)
 {
@@ -112,12 +161,18 @@ std::vector<Interface> findVolumeInterfaces(
     known[6 * patch.block + patch.face] = true;
   }
   const auto name = [&](int face) { return options.blockName(face / 6) + " face " + std::to_string(face % 6); };
-  run.parallelFor(static_cast<Index>(faces.size()), 1, [&](Index begin, Index end) {
-    for (Index f = begin; f < end; ++f)
-    {
-      faces[f] = probe(volumes[f / 6], static_cast<int>(f % 6), options.tolerance);
-    }
+  run.ranks->together([&] {
+    run.parallelFor(static_cast<Index>(faces.size()), 1, [&](Index begin, Index end) {
+      for (Index f = begin; f < end; ++f)
+      {
+        if (volumes[f / 6].rank == run.ranks->rank())
+        {
+          faces[f] = probe(volumes[f / 6], static_cast<int>(f % 6), options.tolerance);
+        }
+      }
+    });
   });
+  shareFaces(volumes, *run.ranks, faces);
   std::vector<int> order;
   for (int f = 0; f < static_cast<int>(faces.size()); ++f)
   {
@@ -136,53 +191,55 @@ std::vector<Interface> findVolumeInterfaces(
 
   std::vector<int> partner(faces.size(), -1);
   std::vector<Interface> result;
-  for (std::size_t i = 0; i < order.size(); ++i)
-  {
-    run.report(static_cast<double>(i) / order.size());
-    for (std::size_t j = i + 1; j < order.size(); ++j)
+  run.ranks->together([&] {
+    for (std::size_t i = 0; i < order.size(); ++i)
     {
-      const ProbedFace& one = faces[order[i]];
-      const ProbedFace& other = faces[order[j]];
-      if (other.centre()[0] - one.centre()[0] > one.tolerance)
+      run.report(static_cast<double>(i) / order.size());
+      for (std::size_t j = i + 1; j < order.size(); ++j)
       {
-        break;
-      }
-      const double tolerance = std::min(one.tolerance, other.tolerance);
-      if ((one.centre() - other.centre()).norm() > tolerance)
-      {
-        continue;
-      }
-      const int a = std::min(order[i], order[j]);
-      const int b = std::max(order[i], order[j]);
-      int best = 0;
-      for (int o = 1; o < 8; ++o)
-      {
-        best = mismatch(faces[a], faces[b], o) < mismatch(faces[a], faces[b], best) ? o : best;
-      }
-      if (mismatch(faces[a], faces[b], best) > tolerance)
-      {
-        continue;
-      }
-      for (const int face : { a, b })
-      {
-        if (partner[face] >= 0)
+        const ProbedFace& one = faces[order[i]];
+        const ProbedFace& other = faces[order[j]];
+        if (other.centre()[0] - one.centre()[0] > one.tolerance)
         {
-          throw Error(name(face) + " meets both " + name(partner[face]) + " and " + name(a + b - face));
+          break;
         }
+        const double tolerance = std::min(one.tolerance, other.tolerance);
+        if ((one.centre() - other.centre()).norm() > tolerance)
+        {
+          continue;
+        }
+        const int a = std::min(order[i], order[j]);
+        const int b = std::max(order[i], order[j]);
+        int best = 0;
+        for (int o = 1; o < 8; ++o)
+        {
+          best = mismatch(faces[a], faces[b], o) < mismatch(faces[a], faces[b], best) ? o : best;
+        }
+        if (mismatch(faces[a], faces[b], best) > tolerance)
+        {
+          continue;
+        }
+        for (const int face : { a, b })
+        {
+          if (partner[face] >= 0)
+          {
+            throw Error(name(face) + " meets both " + name(partner[face]) + " and " + name(a + b - face));
+          }
+        }
+        partner[a] = b;
+        partner[b] = a;
+        Interface contact;
+        contact.blockA = a / 6;
+        contact.faceA = a % 6;
+        contact.blockB = b / 6;
+        contact.faceB = b % 6;
+        contact.orientation = best;
+        contact.rangeA.hi = { volumes[a / 6].count(faceAxis(a % 6, 0)) - 1,
+          volumes[a / 6].count(faceAxis(a % 6, 1)) - 1 };
+        result.push_back(contact);
       }
-      partner[a] = b;
-      partner[b] = a;
-      Interface contact;
-      contact.blockA = a / 6;
-      contact.faceA = a % 6;
-      contact.blockB = b / 6;
-      contact.faceB = b % 6;
-      contact.orientation = best;
-      contact.rangeA.hi = { volumes[a / 6].count(faceAxis(a % 6, 0)) - 1,
-        volumes[a / 6].count(faceAxis(a % 6, 1)) - 1 };
-      result.push_back(contact);
     }
-  }
+  });
   std::sort(result.begin(), result.end(), [](const Interface& one, const Interface& other) {
     return std::make_pair(one.blockA, one.faceA) < std::make_pair(other.blockA, other.faceA);
   });

@@ -28,7 +28,7 @@ struct VolumeInterfaceOptions
 /// affine change of the parameters of each direction: faces are compared at 5 x 5 points, equally spaced over the range
 /// of the knots. Degrees and inner knots may differ. A block may meet itself. Faces collapsed to a curve or point meet
 /// nothing. The ranges of the result count the control points of faces A.
-/// The volumes must have passed checkBSplineVolume().
+/// The volumes must have passed checkBSplineVolume(). Of blocks on other ranks these 5 x 5 points come from there.
 /// @throws Error if a face meets more than one other, or samples are not finite.
 std::vector<Interface> findVolumeInterfaces(
   const std::vector<BSplineVolume>& volumes, const VolumeInterfaceOptions& options = {}, const Execution& run = {});

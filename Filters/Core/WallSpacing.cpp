@@ -6,14 +6,17 @@
 #include "EdgeFans.h"
 #include "FarField.h"
 #include "OrderFreeSum.h"
+#include "Ranks.h"
 #include "Sampling.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
 #include <sstream>
+#include <tuple>
 
 namespace bsv
 {
@@ -21,6 +24,7 @@ namespace
 {
 
 constexpr double NaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double Infinity = std::numeric_limits<double>::infinity();
 
 /// Control points of one direction at the wall that the first two spans and the first cell behind them depend on.
 constexpr int Depth = 6;
@@ -152,51 +156,67 @@ public:
     , Run(run)
     , Result(result)
   {
+    const int rank = run.ranks->rank();
     result.spacingPoints.resize(mesh.blocks.size());
-    std::map<std::array<double, 3>, Index> numbers;
-    for (const ComplexFace& face : complex.faces)
-    {
-      if (roleOf(conversion, face) != BoundaryRole::Body)
+    this->Nets.resize(complex.blocks.size());
+    std::map<Place, Index> numbers;
+    bool wall = false;
+    run.ranks->together([&] {
+      for (std::size_t f = 0; f < complex.faces.size(); ++f)
       {
-        continue;
-      }
-      const FaceUse& use = face.uses.front();
-      WallSpacingResult::Side side{ use.block, use.face, {} };
-      for (int t = 0; t <= this->cells(use, 1); ++t)
-      {
-        for (int s = 0; s <= this->cells(use, 0); ++s)
+        const ComplexFace& face = complex.faces[f];
+        if (roleOf(conversion, face) != BoundaryRole::Body)
         {
-          const Vec3 x = this->point(use, s, t, 0);
-          const auto found = numbers.emplace(std::array<double, 3>{ x[0], x[1], x[2] }, result.points.size());
-          if (found.second)
+          continue;
+        }
+        wall = true;
+        const FaceUse& use = face.uses.front();
+        if (complex.blocks[use.block].rank != rank)
+        {
+          continue;
+        }
+        WallSpacingResult::Side side{ use.block, use.face, {} };
+        for (int t = 0; t <= this->cells(use, 1); ++t)
+        {
+          for (int s = 0; s <= this->cells(use, 0); ++s)
           {
-            result.points.push_back(x);
+            const Vec3 x = this->point(use, s, t, 0);
+            const auto found = numbers.emplace(placeOf(x), result.points.size());
+            if (found.second)
+            {
+              result.points.push_back(x);
+            }
+            side.vertices.push_back(found.first->second);
           }
-          side.vertices.push_back(found.first->second);
+        }
+        this->Faces.push_back(static_cast<int>(f));
+        result.sides.push_back(std::move(side));
+        const int parent = complex.blocks[use.block].parent;
+        result.spacingPoints[parent].assign(mesh.blocks[parent].points.size(), NaN);
+      }
+      for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+      {
+        const ComplexBlock& block = complex.blocks[b];
+        if (block.rank == rank)
+        {
+          // Not initialised: only what lies near the wall is ever touched.
+          const Index count = Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
+          this->Points.emplace_back(new double[3 * count]);
+          this->Codes.emplace_back(new std::uint8_t[count]);
+          this->Nets[b] = { this->Points.back().get(), this->Codes.back().get() };
         }
       }
-      this->Tags.push_back(face.tag);
-      result.sides.push_back(std::move(side));
-      const int parent = complex.blocks[use.block].parent;
-      result.spacingPoints[parent].assign(mesh.blocks[parent].points.size(), NaN);
-    }
-    if (result.sides.empty())
+    });
+    if (!wall)
     {
       throw Error("the mesh has no wall: none of its boundaries is part of the body");
     }
+    this->findShared();
     this->Conversion.wallOnly = true;
     this->Conversion.wallSpacingPoints.clear();
     for (const std::vector<double>& points : result.spacingPoints)
     {
       this->Conversion.wallSpacingPoints.push_back(points.empty() ? nullptr : points.data());
-    }
-    for (const ComplexBlock& block : complex.blocks)
-    {
-      // Not initialised: only what lies near the wall is ever touched.
-      const Index count = Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
-      this->Points.emplace_back(new double[3 * count]);
-      this->Codes.emplace_back(new std::uint8_t[count]);
-      this->Nets.push_back({ this->Points.back().get(), this->Codes.back().get() });
     }
   }
 
@@ -204,26 +224,43 @@ public:
   void measureLayers()
   {
     const Vec3 direction = this->Options.direction.normalized();
+    struct Foremost
+    {
+      int tag;
+      double along;
+    };
     std::map<int, double> foremost;
-    for (std::size_t i = 0; i < this->Tags.size(); ++i)
+    const auto toTheFront = [&](int tag, double along) {
+      const auto entry = foremost.emplace(tag, along).first;
+      entry->second = std::min(entry->second, along);
+    };
+    for (std::size_t i = 0; i < this->Result.sides.size(); ++i)
     {
       for (const Index v : this->Result.sides[i].vertices)
       {
-        const double along = direction.dot(this->Result.points[v]);
-        const auto entry = foremost.emplace(this->Tags[i], along).first;
-        entry->second = std::min(entry->second, along);
+        toTheFront(this->tag(i), direction.dot(this->Result.points[v]));
       }
     }
+    std::vector<Foremost> mine;
+    for (const auto& [tag, along] : foremost)
+    {
+      mine.push_back({ tag, along });
+    }
+    for (const Foremost& entry : this->Run.ranks->gatherAll(mine))
+    {
+      toTheFront(entry.tag, entry.along);
+    }
     const double least = this->Options.minimumDistance * this->Options.flow.referenceLength;
-    std::vector<double> distances(this->Result.points.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < this->Tags.size(); ++i)
+    std::vector<double> distances(this->Result.points.size(), Infinity);
+    for (std::size_t i = 0; i < this->Result.sides.size(); ++i)
     {
       for (const Index v : this->Result.sides[i].vertices)
       {
-        const double along = direction.dot(this->Result.points[v]) - foremost.at(this->Tags[i]);
+        const double along = direction.dot(this->Result.points[v]) - foremost.at(this->tag(i));
         distances[v] = std::min(distances[v], std::max(along, least));
       }
     }
+    this->agree(distances, std::less<double>());
     for (const double distance : distances)
     {
       this->Result.layers.push_back(plateLayer(this->Options.flow, distance));
@@ -239,57 +276,96 @@ public:
   void guess()
   {
     const std::size_t count = this->Result.points.size();
-    this->Result.spacing.assign(count, 0.0);
     this->Result.reachingLevel.assign(count, -1);
-    this->Result.allowed.assign(count, 1);
-    this->FirstCell.assign(count, 0.0);
-    std::array<bool, MaxSamplingLevel + 1> all;
-    all.fill(true);
-    std::array<double, 2> worst{ 0.0, 1.0 }; // height of a line and target
-    // A vertex lies on lines of several blocks at edges of the body: the largest c counts there.
-    for (const WallSpacingResult::Side& side : this->Result.sides)
+    // A vertex lies on lines of several blocks at edges of the body: the largest c counts there, then the smallest
+    // cell.
+    struct Choice
     {
-      const FaceUse use{ side.block, side.face };
-      const int ns = this->cells(use, 0) + 1;
-      std::vector<Guess> guesses(side.vertices.size());
-      this->Run.parallelFor(static_cast<Index>(guesses.size()), 16, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i)
-        {
-          guesses[i] = this->guessAt(this->line(use, int(i % ns), int(i / ns)), this->target(side.vertices[i]));
-        }
-      });
-      for (std::size_t i = 0; i < guesses.size(); ++i)
+      double spacing = 0.0;
+      double firstCell = 0.0;
+      int allowed = 1;
+
+      bool operator<(const Choice& other) const
       {
-        const Index v = side.vertices[i];
-        const Guess& guess = guesses[i];
-        int reaching = -1;
-        for (int level = MaxSamplingLevel; level >= 0; --level)
+        return std::make_tuple(-this->spacing, this->firstCell, this->allowed) <
+          std::make_tuple(-other.spacing, other.firstCell, other.allowed);
+      }
+    };
+    std::vector<Choice> choices(count);
+    // What all lines say: the levels that reach the target on none of them, and the line that needs the most layers.
+    struct Verdict
+    {
+      std::array<bool, MaxSamplingLevel + 1> fails{};
+      double height = 0.0;
+      double target = 1.0;
+      int face = -1;
+      int layers = 0;
+    };
+    Verdict worst;
+    const auto needsMore = [](const Verdict& a, const Verdict& b) {
+      return a.height / a.target > b.height / b.target;
+    };
+    this->Run.ranks->together([&] {
+      for (std::size_t w = 0; w < this->Result.sides.size(); ++w)
+      {
+        const WallSpacingResult::Side& side = this->Result.sides[w];
+        const FaceUse use{ side.block, side.face };
+        const int ns = this->cells(use, 0) + 1;
+        std::vector<Guess> guesses(side.vertices.size());
+        this->Run.parallelFor(static_cast<Index>(guesses.size()), 16, [&](Index begin, Index end) {
+          for (Index i = begin; i < end; ++i)
+          {
+            guesses[i] = this->guessAt(this->line(use, int(i % ns), int(i / ns)), this->target(side.vertices[i]));
+          }
+        });
+        for (std::size_t i = 0; i < guesses.size(); ++i)
         {
-          reaching = guess.reaches[level] ? level : reaching;
-          all[level] = all[level] && guess.reaches[level];
-        }
-        this->Result.reachingLevel[v] = std::max(this->Result.reachingLevel[v], reaching);
-        if (guess.fixed && guess.height / this->target(v) > worst[0] / worst[1])
-        {
-          worst = { guess.height, this->target(v) };
-          this->PresentLayers = this->rise(use);
-        }
-        if (guess.spacing > this->Result.spacing[v] ||
-          (guess.spacing == this->Result.spacing[v] && guess.firstCell < this->FirstCell[v]))
-        {
-          this->Result.spacing[v] = guess.spacing;
-          this->Result.allowed[v] = guess.fixed ? 0 : 1;
-          this->FirstCell[v] = guess.firstCell;
+          const Index v = side.vertices[i];
+          const Guess& guess = guesses[i];
+          int reaching = -1;
+          for (int level = MaxSamplingLevel; level >= 0; --level)
+          {
+            reaching = guess.reaches[level] ? level : reaching;
+            worst.fails[level] = worst.fails[level] || !guess.reaches[level];
+          }
+          this->Result.reachingLevel[v] = std::max(this->Result.reachingLevel[v], reaching);
+          const Verdict line{ worst.fails, guess.height, this->target(v), this->Faces[w], this->rise(use) };
+          worst = guess.fixed && needsMore(line, worst) ? line : worst;
+          const Choice choice{ guess.spacing, guess.firstCell, guess.fixed ? 0 : 1 };
+          choices[v] = choice < choices[v] ? choice : choices[v];
         }
       }
+    });
+    this->agree(choices, std::less<Choice>());
+    this->agree(this->Result.reachingLevel, std::greater<int>());
+    for (const Choice& choice : choices)
+    {
+      this->Result.spacing.push_back(choice.spacing);
+      this->Result.allowed.push_back(static_cast<char>(choice.allowed));
+      this->FirstCell.push_back(choice.firstCell);
+    }
+
+    const std::vector<Verdict> verdicts = this->Run.ranks->gatherAll(std::vector<Verdict>{ worst });
+    worst = {};
+    std::array<bool, MaxSamplingLevel + 1> fails{};
+    for (const Verdict& verdict : verdicts)
+    {
+      for (int level = 0; level <= MaxSamplingLevel; ++level)
+      {
+        fails[level] = fails[level] || verdict.fails[level];
+      }
+      // Of equal ones that of the first face, as if all faces were here.
+      const bool first = verdict.face < worst.face && !needsMore(worst, verdict);
+      worst = needsMore(verdict, worst) || first ? verdict : worst;
     }
     for (int level = MaxSamplingLevel; level >= 0; --level)
     {
-      this->Result.levelForAll = all[level] ? level : this->Result.levelForAll;
+      this->Result.levelForAll = fails[level] ? this->Result.levelForAll : level;
     }
-    if (worst[0] > 0.0)
+    this->PresentLayers = worst.layers;
+    if (worst.height > 0.0)
     {
-      this->Result.layersForAll = this->layersFor(worst[0], worst[1]);
+      this->Run.ranks->together([&] { this->Result.layersForAll = this->layersFor(worst.height, worst.target); });
     }
   }
 
@@ -299,28 +375,32 @@ public:
     this->writeSpacing();
     convertToBSplineVolume(this->Complex, this->Conversion, this->Nets, this->quiet());
     const std::size_t count = this->Result.points.size();
-    this->Result.firstHeight.assign(count, std::numeric_limits<double>::infinity());
+    this->Result.firstHeight.assign(count, Infinity);
     this->Result.growth.assign(count, 1.0);
     // A vertex of several faces is measured in each of them, equal up to rounding.
-    for (const WallSpacingResult::Side& side : this->Result.sides)
-    {
-      const int ns = this->cells({ side.block, side.face }, 0) + 1;
-      std::vector<std::array<double, 2>> values(side.vertices.size());
-      this->Run.parallelFor(static_cast<Index>(values.size()), 64, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i)
-        {
-          const Column column = this->column({ side.block, side.face }, int(i % ns), int(i / ns));
-          values[i] = { column.firstHeight(this->Options.level), column.growth(this->Options.level) };
-        }
-      });
-      for (std::size_t i = 0; i < values.size(); ++i)
+    this->Run.ranks->together([&] {
+      for (const WallSpacingResult::Side& side : this->Result.sides)
       {
-        double& height = this->Result.firstHeight[side.vertices[i]];
-        double& growth = this->Result.growth[side.vertices[i]];
-        height = std::min(height, values[i][0]);
-        growth = std::max(growth, values[i][1]);
+        const int ns = this->cells({ side.block, side.face }, 0) + 1;
+        std::vector<std::array<double, 2>> values(side.vertices.size());
+        this->Run.parallelFor(static_cast<Index>(values.size()), 64, [&](Index begin, Index end) {
+          for (Index i = begin; i < end; ++i)
+          {
+            const Column column = this->column({ side.block, side.face }, int(i % ns), int(i / ns));
+            values[i] = { column.firstHeight(this->Options.level), column.growth(this->Options.level) };
+          }
+        });
+        for (std::size_t i = 0; i < values.size(); ++i)
+        {
+          double& height = this->Result.firstHeight[side.vertices[i]];
+          double& growth = this->Result.growth[side.vertices[i]];
+          height = std::min(height, values[i][0]);
+          growth = std::max(growth, values[i][1]);
+        }
       }
-    }
+    });
+    this->agree(this->Result.firstHeight, std::less<double>());
+    this->agree(this->Result.growth, std::greater<double>());
   }
 
   /// Improves c where it is free. Returns the largest relative error of the height there.
@@ -342,38 +422,36 @@ public:
       const double e = 1.0 - this->Result.spacing[v] + error / (effect * this->FirstCell[v]);
       this->Result.spacing[v] = 1.0 - std::min(std::max(e, Least), Most);
     }
-    return worst;
+    return this->largest(worst);
   }
 
   void finish()
   {
     WallSpacingResult& result = this->Result;
-    const std::size_t count = result.points.size();
-    double low = std::numeric_limits<double>::infinity(), high = 0.0;
-    for (std::size_t v = 0; v < count; ++v)
+    double low = Infinity, high = 0.0;
+    std::array<Index, 2> counts{ 0, 0 };
+    for (std::size_t v = 0; v < result.points.size(); ++v)
     {
       result.yPlus.push_back(yPlus(this->Options.flow, result.layers[v].skinFriction, result.firstHeight[v]));
       low = std::min(low, result.yPlus[v]);
       high = std::max(high, result.yPlus[v]);
       const double error = std::abs(result.yPlus[v] / this->Options.targetYPlus - 1.0);
-      result.reached += error <= WallSpacingResult::Accuracy ? 1 : 0;
+      counts[0] += result.counted[v];
+      counts[1] += result.counted[v] && error <= WallSpacingResult::Accuracy ? 1 : 0;
     }
-    result.cells.assign(count, std::numeric_limits<double>::infinity());
-    for (const WallSpacingResult::Side& side : result.sides)
+    low = -this->largest(-low);
+    high = this->largest(high);
+    for (const std::array<Index, 2>& part : this->Run.ranks->gatherAll(std::vector<std::array<Index, 2>>{ counts }))
     {
-      const int ns = this->cells({ side.block, side.face }, 0) + 1;
-      for (std::size_t i = 0; i < side.vertices.size(); ++i)
-      {
-        const Index v = side.vertices[i];
-        result.cells[v] = std::min(result.cells[v],
-          this->cellsWithin({ side.block, side.face }, int(i) % ns, int(i) / ns, result.layers[v].thickness));
-      }
+      result.wallPoints += part[0];
+      result.reached += part[1];
     }
-    if (result.reached < static_cast<Index>(count))
+    this->countCells();
+    if (result.reached < result.wallPoints)
     {
       std::ostringstream text;
       text << "the first cell has the y+ " << this->Options.targetYPlus << " within 1 % at " << result.reached << " of "
-           << count << " wall points at Level " << this->Options.level << " with a growth of at most "
+           << result.wallPoints << " wall points at Level " << this->Options.level << " with a growth of at most "
            << this->Options.maximumGrowth << "; it is " << low << " to " << high << ". ";
       if (this->Result.levelForAll >= 0 && this->Result.levelForAll != this->Options.level)
       {
@@ -494,50 +572,241 @@ private:
     return column;
   }
 
-  /// Sampled cells up to a distance from the wall, along the mesh line and on into the next blocks.
-  double cellsWithin(FaceUse use, int s, int t, double distance) const
+  /// Counts the sampled cells up to a distance from the wall, along a mesh line and on into the next blocks, which may
+  /// be on other ranks: it travels there, and back to where it started.
+  struct Counter
+  {
+    int rank;
+    Index line;
+    double distance;
+    FaceUse use; ///< the block where it is, entered by this face at (s, t)
+    int s, t;
+    int depth;  ///< mesh points behind it there
+    int blocks; ///< entered so far
+    double height;
+    double cells;
+    bool done;
+  };
+
+  /// A counter behind the first two spans, which are measured on the curve.
+  Counter counterAt(FaceUse use, int s, int t, double distance, Index line) const
   {
     const double perSpan = std::ldexp(1.0, this->Options.level);
     const Column column = this->column(use, s, t);
     const int own = std::min(2, column.cells);
+    Counter counter{ this->Run.ranks->rank(), line, distance, use, s, t, own, 0, 0.0, own * perSpan, false };
     const double step = 1.0 / perSpan;
-    double height = 0.0;
     Vec3 x = column.points[0];
     for (int i = 1; i <= own * (1 << this->Options.level); ++i)
     {
       const Vec3 next = column.at(i * step);
       const double cell = (next - x).norm();
-      if (height + cell > distance)
+      if (counter.height + cell > distance)
       {
-        return i - 1 + (distance - height) / cell;
-      }
-      height += cell;
-      x = next;
-    }
-    double count = own * perSpan;
-    for (std::size_t steps = 0; steps <= this->Complex.blocks.size(); ++steps)
-    {
-      for (int k = steps == 0 ? own : 0; k < this->rise(use); ++k)
-      {
-        const double span = (this->point(use, s, t, k + 1) - this->point(use, s, t, k)).norm();
-        if (height + span > distance)
-        {
-          return count + perSpan * (distance - height) / span;
-        }
-        height += span;
-        count += perSpan;
-      }
-      const FaceContact next = contactOf(this->Complex, use.block, use.face ^ 1);
-      if (next.block < 0)
-      {
+        counter.cells = i - 1 + (distance - counter.height) / cell;
+        counter.done = true;
         break;
       }
-      const auto st = mapFacePoint(next.orientation, s, t, this->cells(use, 0), this->cells(use, 1));
-      use = { next.block, next.face };
-      s = st[0];
-      t = st[1];
+      counter.height += cell;
+      x = next;
     }
-    return count;
+    return counter;
+  }
+
+  /// Goes on, as far as the blocks of this rank.
+  void advance(Counter& counter) const
+  {
+    const double perSpan = std::ldexp(1.0, this->Options.level);
+    while (!counter.done && this->Complex.blocks[counter.use.block].rank == this->Run.ranks->rank())
+    {
+      for (int k = counter.depth; k < this->rise(counter.use); ++k)
+      {
+        const Vec3 below = this->point(counter.use, counter.s, counter.t, k);
+        const double span = (this->point(counter.use, counter.s, counter.t, k + 1) - below).norm();
+        if (counter.height + span > counter.distance)
+        {
+          counter.cells += perSpan * (counter.distance - counter.height) / span;
+          counter.done = true;
+          return;
+        }
+        counter.height += span;
+        counter.cells += perSpan;
+      }
+      const FaceContact next = contactOf(this->Complex, counter.use.block, counter.use.face ^ 1);
+      // Around a ring it would never end.
+      if (next.block < 0 || ++counter.blocks > static_cast<int>(this->Complex.blocks.size()))
+      {
+        counter.done = true;
+        return;
+      }
+      const auto st = mapFacePoint(
+        next.orientation, counter.s, counter.t, this->cells(counter.use, 0), this->cells(counter.use, 1));
+      counter.use = { next.block, next.face };
+      counter.s = st[0];
+      counter.t = st[1];
+      counter.depth = 0;
+    }
+  }
+
+  void countCells()
+  {
+    const Ranks& ranks = *this->Run.ranks;
+    WallSpacingResult& result = this->Result;
+    result.cells.assign(result.points.size(), Infinity);
+    std::vector<Index> vertices; // of all lines
+    std::vector<Counter> here;
+    ranks.together([&] {
+      for (const WallSpacingResult::Side& side : result.sides)
+      {
+        const FaceUse use{ side.block, side.face };
+        const int ns = this->cells(use, 0) + 1;
+        for (std::size_t i = 0; i < side.vertices.size(); ++i)
+        {
+          const Index v = side.vertices[i];
+          here.push_back(this->counterAt(
+            use, int(i) % ns, int(i) / ns, result.layers[v].thickness, static_cast<Index>(vertices.size())));
+          vertices.push_back(v);
+        }
+      }
+    });
+    while (ranks.any(!here.empty()))
+    {
+      std::vector<std::vector<Counter>> toRank(ranks.size());
+      ranks.together([&] {
+        for (Counter& counter : here)
+        {
+          this->advance(counter);
+          toRank[counter.done ? counter.rank : this->Complex.blocks[counter.use.block].rank].push_back(counter);
+        }
+      });
+      here.clear();
+      for (const std::vector<Counter>& part : ranks.exchange(toRank))
+      {
+        for (const Counter& counter : part)
+        {
+          if (counter.done)
+          {
+            double& cells = result.cells[vertices[counter.line]];
+            cells = std::min(cells, counter.cells);
+          }
+          else
+          {
+            here.push_back(counter);
+          }
+        }
+      }
+    }
+    this->agree(result.cells, std::less<double>());
+  }
+
+  /// A wall vertex as a key.
+  using Place = std::array<double, 3>;
+  static Place placeOf(const Vec3& x) { return { x[0] + 0.0, x[1] + 0.0, x[2] + 0.0 }; } // no negative zeros
+
+  int tag(std::size_t side) const { return this->Complex.faces[this->Faces[side]].tag; }
+
+  /// Finds the vertices that other ranks have, too.
+  void findShared()
+  {
+    const Ranks& ranks = *this->Run.ranks;
+    const std::vector<Vec3>& points = this->Result.points;
+    this->Result.counted.assign(points.size(), 1);
+    this->Shared.resize(ranks.size());
+    if (ranks.size() == 1)
+    {
+      return;
+    }
+    // Equal ones meet on a rank that their coordinates say, which tells the ranks that have them of each other.
+    struct Vertex
+    {
+      Place place;
+      Index number;
+    };
+    const auto meeting = [&](const Place& place) {
+      std::size_t hash = 0;
+      for (const double x : place)
+      {
+        hash = hash * 31 + std::hash<double>()(x);
+      }
+      return hash % ranks.size();
+    };
+    std::vector<std::vector<Vertex>> toRank(ranks.size());
+    for (std::size_t v = 0; v < points.size(); ++v)
+    {
+      const Place place = placeOf(points[v]);
+      toRank[meeting(place)].push_back({ place, static_cast<Index>(v) });
+    }
+    const std::vector<std::vector<Vertex>> met = ranks.exchange(toRank);
+    struct Owner
+    {
+      int rank;
+      Index number;
+    };
+    std::map<Place, std::vector<Owner>> owners;
+    for (int r = 0; r < ranks.size(); ++r)
+    {
+      for (const Vertex& vertex : met[r])
+      {
+        owners[vertex.place].push_back({ r, vertex.number });
+      }
+    }
+    // In the order of the places, which is the same for both of them.
+    std::vector<std::vector<Owner>> pairs(ranks.size());
+    for (const auto& entry : owners)
+    {
+      for (const Owner& a : entry.second)
+      {
+        for (const Owner& b : entry.second)
+        {
+          if (a.rank != b.rank)
+          {
+            pairs[a.rank].push_back({ b.rank, a.number });
+          }
+        }
+      }
+    }
+    for (const std::vector<Owner>& part : ranks.exchange(pairs))
+    {
+      for (const Owner& pair : part)
+      {
+        this->Shared[pair.rank].push_back(pair.number);
+        this->Result.counted[pair.number] = this->Result.counted[pair.number] && ranks.rank() < pair.rank ? 1 : 0;
+      }
+    }
+  }
+
+  /// Gives a vertex the best of the values that the ranks have for it.
+  template <typename T, typename Better>
+  void agree(std::vector<T>& values, const Better& better) const
+  {
+    const Ranks& ranks = *this->Run.ranks;
+    if (ranks.size() == 1)
+    {
+      return;
+    }
+    std::vector<std::vector<T>> toRank(ranks.size());
+    for (int r = 0; r < ranks.size(); ++r)
+    {
+      for (const Index v : this->Shared[r])
+      {
+        toRank[r].push_back(values[v]);
+      }
+    }
+    const std::vector<std::vector<T>> received = ranks.exchange(toRank);
+    for (int r = 0; r < ranks.size(); ++r)
+    {
+      for (std::size_t i = 0; i < received[r].size(); ++i)
+      {
+        T& value = values[this->Shared[r][i]];
+        value = better(received[r][i], value) ? received[r][i] : value;
+      }
+    }
+  }
+
+  double largest(double mine) const
+  {
+    const std::vector<double> all = this->Run.ranks->gatherAll(std::vector<double>{ mine });
+    return *std::max_element(all.begin(), all.end());
   }
 
   /// What one mesh line tells.
@@ -641,7 +910,10 @@ private:
   const WallSpacingOptions& Options;
   const Execution& Run;
   WallSpacingResult& Result;
-  std::vector<int> Tags;
+  /// Face of the complex per side.
+  std::vector<int> Faces;
+  /// Per other rank the vertices that it has, too, in an order that both know.
+  std::vector<std::vector<Index>> Shared;
   std::vector<double> FirstCell;
   std::vector<std::unique_ptr<double[]>> Points;
   std::vector<std::unique_ptr<std::uint8_t[]>> Codes;
@@ -685,7 +957,7 @@ WallSpacingResult wallSpacing(const BlockMesh& mesh, const BlockComplex& complex
     wall.measure();
   }
   wall.finish();
-  run.report(1.0);
+  run.ranks->together([&] { run.report(1.0); });
   return result;
 }
 

@@ -28,7 +28,8 @@ struct WallSpacingOptions
   double maximumGrowth = 1.2;
 };
 
-/// One value per wall vertex in all lists.
+/// One value per wall vertex in all lists. Where the mesh is on several ranks these are the vertices of the wall faces
+/// of this rank's blocks; numbers that are no lists are those of all ranks.
 struct WallSpacingResult
 {
   /// Wall face of a block of the complex: numbers of its mesh points, in the face's axes, s fastest.
@@ -41,6 +42,8 @@ struct WallSpacingResult
   std::vector<Side> sides;
 
   std::vector<Vec3> points;
+  /// 0 for vertices that a lower rank has, too: with these left out every vertex is counted once.
+  std::vector<char> counted;
   /// Boundary layer of a flat plate at the distance from the foremost wall point of the same boundary, measured along
   /// the direction of the stream; at a vertex of several boundaries the smallest distance.
   std::vector<PlateLayer> layers;
@@ -54,9 +57,11 @@ struct WallSpacingResult
   /// Smallest sampling level at which a c reaches the target within the growth, or -1.
   std::vector<int> reachingLevel;
 
-  /// c at every mesh point of a block of the mesh, i fastest, NaN off the wall; empty for blocks without a wall.
+  /// c at every mesh point of a block of the mesh, i fastest, NaN off the wall; empty for blocks without a wall, and
+  /// for those on other ranks.
   std::vector<std::vector<double>> spacingPoints;
 
+  Index wallPoints = 0;
   /// Vertices where the target is met within `Accuracy`.
   Index reached = 0;
   /// Smallest level at which the growth allows the target at all vertices, or -1.
@@ -72,7 +77,7 @@ struct WallSpacingResult
 
 /// The mesh's wall (roles in `conversion`) is converted again and again with c per vertex until the sampled cells are
 /// as high as they shall be: c at one vertex acts on its neighbours, by the rules in the layers. Where the target would
-/// need cells that grow faster than allowed, c goes as far as they allow.
+/// need cells that grow faster than allowed, c goes as far as they allow. Collective.
 /// @throws Error for options out of range or a mesh without a wall; Aborted.
 WallSpacingResult wallSpacing(const BlockMesh& mesh, const BlockComplex& complex, const ConversionOptions& conversion,
   const WallSpacingOptions& options, const Execution& run = {});

@@ -741,17 +741,29 @@ void wingFuselagePoints(const WingFuselageOptions& options, const std::vector<Bo
   const std::vector<double*>& blocks, const Execution& run)
 {
   const Plan plan(options);
-  const Wall wall(plan, body, run);
-  int block = 0;
-  for (; block < Columns; ++block)
+  if (std::any_of(blocks.begin(), blocks.begin() + Columns, [](const double* points) { return points; }))
   {
-    run.report(double(block) / static_cast<double>(blocks.size()));
-    columnPoints(plan, wall, block / LayersPerPatch, block % LayersPerPatch, blocks[block], run);
+    Execution alone = run;
+    alone.ranks = aloneRank();
+    const Wall wall(plan, body, alone);
+    for (int block = 0; block < Columns; ++block)
+    {
+      run.report(double(block) / static_cast<double>(blocks.size()));
+      if (blocks[block])
+      {
+        columnPoints(plan, wall, block / LayersPerPatch, block % LayersPerPatch, blocks[block], run);
+      }
+    }
   }
+  int block = Columns;
   for (const Ijk& part : latticeBlocks())
   {
     run.report(double(block) / static_cast<double>(blocks.size()));
     double* points = blocks[block++];
+    if (!points)
+    {
+      continue;
+    }
     Ijk start, counts;
     for (int d = 0; d < 3; ++d)
     {

@@ -61,8 +61,9 @@ struct WingFuselageLayout
 /// Work and memory of nothing but the lists. @throws Error for options out of range, or that do not go together.
 WingFuselageLayout wingFuselageLayout(const WingFuselageOptions& options);
 
-/// Writes the points of every block, x y z triples, i fastest, to `blocks`, one address per block. Points that blocks
-/// share are equal bit for bit, whatever the number of threads.
+/// Writes the points of every block, x y z triples, i fastest, to `blocks`, one address per block, or null for a block
+/// that is not wanted. Points that blocks share are equal bit for bit, whatever the number of threads. Any block needs
+/// the whole surface of the body, which is computed here: the ranks are not asked.
 /// @param body wingFuselageBody(options.shape)
 void wingFuselagePoints(const WingFuselageOptions& options, const std::vector<BodyPatch>& body,
   const std::vector<double*>& blocks, const Execution& run = {});

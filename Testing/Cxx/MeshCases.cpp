@@ -588,6 +588,53 @@ MeshCase extendedCuboid(int cells, int layers, double step, double growth)
   return result;
 }
 
+MeshCase randomBoxes(unsigned seed)
+{
+  std::mt19937 random(seed);
+  const auto below = [&](int n) { return static_cast<int>(random() % n); };
+  const int size = 2 + below(4);
+  std::vector<std::pair<Ijk, Ijk>> boxes;
+  for (int attempt = 3 + below(12); attempt > 0; --attempt)
+  {
+    Ijk first, last;
+    for (int d = 0; d < 3; ++d)
+    {
+      first[d] = below(size);
+      last[d] = first[d] + 1 + below(size - first[d]);
+    }
+    const bool overlaps = std::any_of(boxes.begin(), boxes.end(), [&](const std::pair<Ijk, Ijk>& box) {
+      bool common = true;
+      for (int d = 0; d < 3; ++d)
+      {
+        common = common && first[d] < box.second[d] && box.first[d] < last[d];
+      }
+      return common;
+    });
+    if (!overlaps)
+    {
+      boxes.emplace_back(first, last);
+    }
+  }
+  MeshCase mesh =
+    latticeBlocks(boxes, [](const Vec3& x) { return wavy(Vec3(0.4 * x)); });
+  for (int n = below(3); n > 0; --n)
+  {
+    const int block = below(static_cast<int>(mesh.blocks.size()));
+    const Ijk cells = mesh.blocks[block].cells();
+    bsv::CreaseLine line;
+    line.block = block;
+    for (int d = 0; d < 3; ++d)
+    {
+      line.from[d] = line.to[d] = below(cells[d] + 1);
+    }
+    const int along = below(3);
+    line.from[along] = 0;
+    line.to[along] = cells[along];
+    mesh.creases.push_back(line);
+  }
+  return mesh;
+}
+
 Vec3 wavy(const Vec3& x)
 {
   return Vec3(x[0] + 0.11 * std::sin(1.1 * x[1]) + 0.07 * std::cos(0.9 * x[2]),

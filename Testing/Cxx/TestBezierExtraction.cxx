@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bezier cells of B-spline volumes: exact, connected, independent of orientation, order of blocks and threads.
 #include "BezierExtraction.h"
+#include "ThreadRanks.h"
 #include "VolumeCases.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <set>
 
 using namespace bsv;
@@ -361,6 +364,86 @@ TEST(BezierExtraction, RoundingIsWeldedAndAGapIsNot)
   EXPECT_EQ(count(4e-16, false), welded);
   EXPECT_EQ(count(1e-9, true), welded + 49);
   EXPECT_EQ(count(1e-9, false), welded + 49);
+}
+
+// Points that differ by rounding from block to block, zeros of both signs among them, are the same on all ranks, and
+// those that are one in the whole are one on a rank, although some are so only through blocks on other ranks.
+TEST(BezierExtraction, SameBitsOnAnyRanks)
+{
+  std::mt19937 random(8);
+  for (int trial = 0; trial < 6; ++trial)
+  {
+    Volumes lattice =
+      cutLattice(random, { { { 2, 1 }, { 1, 2 }, { 2, 1 } } }, { trial % 3 == 1, trial % 3 == 2, false }, false);
+    for (Block& block : lattice.blocks)
+    {
+      for (double& x : block.points)
+      {
+        x = std::abs(x) < 0.1 ? (random() % 2 ? 0.0 : -0.0) : x + int(random() % 5) * 2e-16;
+      }
+    }
+    if (trial >= 3)
+    {
+      makeRational(random, lattice.blocks[5]);
+    }
+    const std::vector<BSplineVolume> volumes = views(lattice.blocks);
+    for (const bool declared : { true, false })
+    {
+      const std::vector<Interface>* contacts = declared ? &lattice.interfaces : nullptr;
+      for (const BezierCells cells : { BezierCells::Volume, BezierCells::OuterFaces, BezierCells::AllFaces })
+      {
+        const BezierExtraction whole(volumes, contacts, cells);
+        const Extracted expected = evaluated(whole);
+        for (int size = 2; size <= 5; ++size)
+        {
+          for (const std::vector<int>& owners : distributions(random, volumes.size(), size))
+          {
+            std::vector<Index> faces(size);
+            const auto errors = onRanks(size, [&](const Execution& run) {
+              const int rank = run.ranks->rank();
+              const std::vector<BSplineVolume> mine = bsvtest::partOf(volumes, owners, rank);
+              const BezierExtraction part(mine, contacts, cells, run);
+              const Extracted values = evaluated(part, run);
+              ASSERT_EQ(part.rational(), whole.rational());
+              std::map<Index, Index> toWhole, toPart;
+              const auto check = [&](int block, const Ijk& i) {
+                const Index a = whole.point(block, i);
+                const Index b = part.point(block, i);
+                ASSERT_GE(b, 0);
+                ASSERT_EQ(std::memcmp(&expected.points[3 * a], &values.points[3 * b], 3 * sizeof(double)), 0);
+                ASSERT_TRUE(!whole.rational() || expected.weights[a] == values.weights[b]);
+                ASSERT_EQ(toWhole.emplace(b, a).first->second, a);
+                ASSERT_EQ(toPart.emplace(a, b).first->second, b);
+              };
+              for (int block = 0; cells == BezierCells::Volume && block < int(volumes.size()); ++block)
+              {
+                if (owners[block] == rank)
+                {
+                  forEach(part.counts(block), [&](const Ijk& i) { check(block, i); });
+                }
+              }
+              for (const BlockFace& at : part.faces())
+              {
+                ASSERT_EQ(owners[at.block], rank);
+                const Ijk& n = part.counts(at.block);
+                for (int s = 0; s < n[faceAxis(at.face, 0)]; ++s)
+                {
+                  for (int t = 0; t < n[faceAxis(at.face, 1)]; ++t)
+                  {
+                    check(at.block, facePosition(n, at.face, s, t));
+                  }
+                }
+              }
+              EXPECT_EQ(static_cast<Index>(toWhole.size()), part.pointCount());
+              faces[rank] = static_cast<Index>(part.faces().size());
+            });
+            EXPECT_EQ(errors, std::vector<std::string>(size));
+            EXPECT_EQ(std::accumulate(faces.begin(), faces.end(), Index(0)), Index(whole.faces().size()));
+          }
+        }
+      }
+    }
+  }
 }
 
 // A declared contact of faces with unequal degrees has no common Bezier points.

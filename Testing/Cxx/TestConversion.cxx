@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <functional>
 #include <map>
-#include <random>
 
 using namespace bsv;
 using conversioncases::Converted;
@@ -287,66 +286,12 @@ TEST(Conversion, SameBitsForEachOfThe24OrientationsOfEachBlock)
   }
 }
 
-namespace
-{
-
-/// Random boxes of a small lattice that do not overlap: partial contacts, one-cell blocks, re-entrant edges, blocks that
-/// touch along an edge or at a corner only, and some creases.
-MeshCase randomBoxes(unsigned seed)
-{
-  std::mt19937 random(seed);
-  const auto below = [&](int n) { return static_cast<int>(random() % n); };
-  const int size = 2 + below(4);
-  std::vector<std::pair<Ijk, Ijk>> boxes;
-  for (int attempt = 3 + below(12); attempt > 0; --attempt)
-  {
-    Ijk first, last;
-    for (int d = 0; d < 3; ++d)
-    {
-      first[d] = below(size);
-      last[d] = first[d] + 1 + below(size - first[d]);
-    }
-    const bool overlaps = std::any_of(boxes.begin(), boxes.end(), [&](const std::pair<Ijk, Ijk>& box) {
-      bool common = true;
-      for (int d = 0; d < 3; ++d)
-      {
-        common = common && first[d] < box.second[d] && box.first[d] < last[d];
-      }
-      return common;
-    });
-    if (!overlaps)
-    {
-      boxes.emplace_back(first, last);
-    }
-  }
-  MeshCase mesh =
-    meshcases::latticeBlocks(boxes, [](const Vec3& x) { return meshcases::wavy(Vec3(0.4 * x)); });
-  for (int n = below(3); n > 0; --n)
-  {
-    const int block = below(static_cast<int>(mesh.blocks.size()));
-    const Ijk cells = mesh.blocks[block].cells();
-    CreaseLine line;
-    line.block = block;
-    for (int d = 0; d < 3; ++d)
-    {
-      line.from[d] = line.to[d] = below(cells[d] + 1);
-    }
-    const int along = below(3);
-    line.from[along] = 0;
-    line.to[along] = cells[along];
-    mesh.creases.push_back(line);
-  }
-  return mesh;
-}
-
-} // namespace
-
 TEST(Conversion, RandomComplexesAreWatertightAndKeepTheirBits)
 {
   for (unsigned seed = 1; seed <= 300; ++seed)
   {
     SCOPED_TRACE(seed);
-    MeshCase mesh = randomBoxes(seed);
+    MeshCase mesh = meshcases::randomBoxes(seed);
     ConversionOptions options;
     options.planarSides = static_cast<PlanarSides>(seed % 3);
     const Converted converted = convert(mesh.mesh(), options);

@@ -2,6 +2,7 @@
 // Block meshes to VTK data objects and back: nothing is lost, nothing is copied without need, bad arrays are refused.
 #include "HexBlockData.h"
 #include "MeshCases.h"
+#include "ThreadRanks.h"
 
 #include <vtkCompositeDataSet.h>
 #include <vtkDoubleArray.h>
@@ -12,6 +13,7 @@
 #include <vtkIntArray.h>
 #include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
+#include <vtkPartitionedDataSet.h>
 #include <vtkPartitionedDataSetCollection.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -22,6 +24,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <sstream>
 
 using meshcases::MeshCase;
 using Grids = std::vector<vtkSmartPointer<vtkStructuredGrid>>;
@@ -97,6 +100,56 @@ std::string refusal(vtkDataObject* data)
     return error.what();
   }
   return "";
+}
+
+/// What a rank has of the collection: the blocks that `isHere` says.
+vtkSmartPointer<vtkPartitionedDataSetCollection> partOf(
+  vtkPartitionedDataSetCollection* whole, const std::function<bool(int block)>& isHere)
+{
+  auto part = vtkSmartPointer<vtkPartitionedDataSetCollection>::New();
+  Grids grids;
+  std::vector<std::string> names;
+  for (unsigned int b = 0; b < whole->GetNumberOfPartitionedDataSets(); ++b)
+  {
+    auto* grid = vtkStructuredGrid::SafeDownCast(whole->GetPartitionAsDataObject(b, 0));
+    grids.push_back(isHere(static_cast<int>(b)) ? grid : nullptr);
+    names.push_back(whole->GetMetaData(b)->Get(vtkCompositeDataSet::NAME()));
+  }
+  bsv::setBlocks(part, grids, names, "mesh");
+  part->GetFieldData()->ShallowCopy(whole->GetFieldData());
+  return part;
+}
+
+/// Everything but the points.
+std::string topologyOf(const bsv::BlockMesh& mesh)
+{
+  std::ostringstream text;
+  const auto range = [&](const bsv::FaceRange& r) {
+    text << r.lo[0] << ' ' << r.hi[0] << ' ' << r.lo[1] << ' ' << r.hi[1] << '\n';
+  };
+  for (const bsv::MeshBlock& block : mesh.blocks)
+  {
+    const auto& counts = block.points.counts();
+    text << block.name << ": " << counts[0] << ' ' << counts[1] << ' ' << counts[2] << '\n';
+  }
+  for (const bsv::Interface& contact : mesh.interfaces)
+  {
+    text << contact.blockA << ' ' << contact.faceA << ' ' << contact.blockB << ' ' << contact.faceB << ' '
+         << contact.orientation << ' ';
+    range(contact.rangeA);
+    range(contact.rangeB());
+  }
+  for (const bsv::BoundaryPatch& patch : mesh.boundaries)
+  {
+    text << patch.block << ' ' << patch.face << ' ' << mesh.boundaryNames[patch.tag] << ' ';
+    range(patch.range);
+  }
+  for (const bsv::CreaseLine& line : mesh.creases)
+  {
+    text << line.block << ' ' << line.from[0] << line.from[1] << line.from[2] << line.to[0] << line.to[1] << line.to[2]
+         << '\n';
+  }
+  return text.str();
 }
 
 } // namespace
@@ -321,4 +374,155 @@ TEST(HexBlockData, DifferentNamesAreDifferentNodes)
   EXPECT_EQ(bsv::nodeName("wing_upper_1"), "wing_upper_1");
   EXPECT_NE(bsv::nodeName("block 2.1"), bsv::nodeName("block 21"));
   EXPECT_NE(bsv::nodeName("a|b"), bsv::nodeName("ab"));
+}
+
+// Blocks on some of the ranks, on all of them, or all on one that is not the first; field data on one rank only.
+TEST(HexBlockData, RanksKnowAllBlocks)
+{
+  MeshCase mesh = partialContacts();
+  const auto whole = toCollection(mesh);
+  Grids wholeGrids;
+  const std::string expected = topologyOf(bsv::blockMesh(whole, wholeGrids));
+  using Distribution = std::function<bool(int block, int rank)>;
+  const std::vector<Distribution> distributions = { [](int, int) { return true; },
+    [](int, int rank) { return rank == 1; }, [](int block, int rank) { return block == rank; },
+    [](int block, int rank) { return rank > 0 && block % 2 == rank % 2; } };
+  for (int size = 2; size <= 5; ++size)
+  {
+    for (std::size_t d = 0; d < distributions.size(); ++d)
+    {
+      if (size == 2 && d > 1)
+      {
+        continue; // these need three ranks
+      }
+      const auto errors = bsvtest::onRanks(size, [&](const bsv::Execution& run) {
+        const int rank = run.ranks->rank();
+        const auto part = partOf(whole, [&](int block) { return distributions[d](block, rank); });
+        if (rank != 1)
+        {
+          part->GetFieldData()->Initialize();
+        }
+        vtkNew<vtkPartitionedDataSetCollection> nothing;
+        Grids grids;
+        const bsv::BlockMesh found = bsv::blockMesh(rank == 4 && d > 0 ? nothing.Get() : part.Get(), grids, *run.ranks);
+        EXPECT_EQ(topologyOf(found), expected);
+        for (int b = 0; b < 3; ++b)
+        {
+          int owner = 0;
+          while (!distributions[d](b, owner))
+          {
+            ++owner;
+          }
+          EXPECT_EQ(found.blocks[b].rank, owner);
+          EXPECT_EQ(found.blocks[b].points.isHere(), owner == rank);
+          EXPECT_EQ(grids[b] != nullptr, owner == rank);
+        }
+      });
+      EXPECT_EQ(errors, std::vector<std::string>(size)) << size << " ranks, distribution " << d;
+    }
+  }
+}
+
+TEST(HexBlockData, PartitionsOfOneDataSetOnSeveralRanks)
+{
+  const MeshCase mesh = meshcases::cutBox({ 6, 2, 2 }, { { { 2, 4 }, {}, {} } });
+  const auto errors = bsvtest::onRanks(2, [&](const bsv::Execution& run) {
+    vtkNew<vtkPartitionedDataSetCollection> collection;
+    collection->SetNumberOfPartitionedDataSets(2);
+    if (run.ranks->rank() == 0)
+    {
+      collection->SetPartition(1, 0, toGrid<vtkDoubleArray>(mesh.blocks[2]));
+    }
+    else
+    {
+      collection->SetPartition(0, 1, toGrid<vtkDoubleArray>(mesh.blocks[1]));
+      collection->GetMetaData(1u)->Set(vtkCompositeDataSet::NAME(), "last");
+    }
+    Grids grids;
+    const bsv::BlockMesh found = bsv::blockMesh(collection, grids, *run.ranks);
+    ASSERT_EQ(found.blocks.size(), 2u);
+    EXPECT_EQ(found.blocks[0].name, "block 1");
+    EXPECT_EQ(found.blocks[0].rank, 1);
+    // Only the rank without the block knows its name.
+    EXPECT_EQ(found.blocks[1].name, "last");
+    EXPECT_EQ(found.blocks[1].rank, 0);
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(2));
+}
+
+TEST(HexBlockData, RanksMustAgree)
+{
+  MeshCase mesh = partialContacts();
+  const auto whole = toCollection(mesh);
+  struct Bad
+  {
+    const char* what;
+    std::function<void(vtkPartitionedDataSetCollection* part, int rank)> spoil;
+    std::vector<std::string> parts;
+  };
+  const std::vector<Bad> all = {
+    { "name", [](auto* part, int rank) {
+       if (rank == 2)
+       {
+         part->GetMetaData(0u)->Set(vtkCompositeDataSet::NAME(), "other");
+       }
+     },
+      { "'name of 0'", "'other'", "rank 0", "rank 2" } },
+    { "size", [&](auto* part, int rank) {
+       if (rank == 2)
+       {
+         part->SetPartition(1, 0, part->GetPartition(0, 0) ? part->GetPartition(0, 0) : part->GetPartition(2, 0));
+       }
+     },
+      { "'name of 1' of 4 x 3 x 4", "'name of 1' of 3 x 3 x 4", "rank 1", "rank 2" } },
+    { "array", [](auto* part, int rank) {
+       if (rank == 1)
+       {
+         part->GetFieldData()->RemoveArray("Boundaries");
+       }
+       else if (rank == 2)
+       {
+         setInts(part->GetFieldData(), "Boundaries", 3, { 0, 0, 1 });
+       }
+     },
+      { "'Boundaries'", "0 and 2" } },
+    { "bad array", [](auto* part, int rank) {
+       if (rank == 1)
+       {
+         setInts(part->GetFieldData(), "CreaseEdges", 2, { 0, 0 });
+       }
+     },
+      { "'CreaseEdges'", "7", "2" } },
+    { "points", [](auto* part, int rank) {
+       if (rank == 1)
+       {
+         vtkStructuredGrid::SafeDownCast(part->GetPartitionAsDataObject(1, 0))->SetDimensions(2, 2, 2);
+       }
+     },
+      { "'name of 1'", "48", "8" } },
+    { "structure", [](auto* part, int rank) {
+       if (rank == 1)
+       {
+         part->SetNumberOfPartitionedDataSets(5);
+       }
+     },
+      { "3 data sets on rank 0", "5 on rank 1" } },
+  };
+  for (const Bad& bad : all)
+  {
+    const auto errors = bsvtest::onRanks(3, [&](const bsv::Execution& run) {
+      const int rank = run.ranks->rank();
+      const auto shared = partOf(whole, [&](int block) { return block == rank; });
+      vtkNew<vtkPartitionedDataSetCollection> part; // grids of its own
+      part->DeepCopy(shared);
+      bad.spoil(part, rank);
+      Grids grids;
+      bsv::blockMesh(part, grids, *run.ranks);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(3, errors[0])) << bad.what;
+    for (const std::string& part : bad.parts)
+    {
+      EXPECT_NE(errors[0].find(part), std::string::npos) << bad.what << ": " << errors[0];
+    }
+  }
 }

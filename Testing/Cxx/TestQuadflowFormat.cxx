@@ -4,6 +4,7 @@
 
 #include "Conversion.h"
 #include "SharedEntities.h"
+#include "ThreadRanks.h"
 #include "VolumeCases.h"
 
 #include <gtest/gtest.h>
@@ -19,6 +20,7 @@
 #include <set>
 #include <sstream>
 
+#include <sched.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -862,6 +864,162 @@ TEST(Quadflow, FailuresLeaveTheOldFile)
   Execution run;
   run.progress = [](double fraction) { return fraction < 0.5; };
   EXPECT_THROW(readCase(path, run), Aborted);
+}
+
+namespace
+{
+
+/// What one rank has of an input.
+QuadflowInput partOf(const QuadflowInput& input, const std::vector<int>& owners, int rank)
+{
+  QuadflowInput part = input;
+  part.volumes = bsvtest::partOf(input.volumes, owners, rank);
+  for (std::size_t b = 0; b < part.rules.size(); ++b)
+  {
+    part.rules[b] = owners[b] == rank ? part.rules[b] : nullptr;
+  }
+  return part;
+}
+
+} // namespace
+
+TEST(Quadflow, SameFileFromAnyRanks)
+{
+  std::mt19937 random(21);
+  std::vector<QuadflowInput> inputs;
+  const Volumes lattice = cutLattice(random, { { { 1, 2 }, { 3, 1, 2 }, { 2, 1 } } });
+  const Volumes loop = cutLattice(random, { { { 2, 1 }, { 2 }, { 1 } } }, { true, false, false }); // meet twice
+  const Volumes star = fan(5);
+  for (const Volumes* volumes : { &lattice, &loop, &star })
+  {
+    inputs.push_back(inputOf(*volumes));
+    inputs.push_back(inputs.back());
+    inputs.back().hasInterfaces = false;
+    inputs.back().interfaces.clear();
+  }
+  // Creases and planar sides.
+  std::vector<std::vector<unsigned char>> rules;
+  for (const Block& block : lattice.blocks)
+  {
+    const Ijk n = block.counts();
+    rules.emplace_back(std::size_t(n[0]) * n[1] * n[2]);
+    for (unsigned char& rule : rules.back())
+    {
+      rule = static_cast<unsigned char>(std::uniform_int_distribution<int>(0, 3)(random) == 0
+          ? ControlPointRule::Crease
+          : ControlPointRule::PlanarSide);
+    }
+    inputs.front().rules.push_back(rules.back().data());
+  }
+  Folder folder;
+  for (const QuadflowInput& input : inputs)
+  {
+    for (int variant = 0; variant < 4; ++variant)
+    {
+      QuadflowOptions options;
+      options.binary = variant % 2 != 0;
+      options.separateGeometry = variant >= 2;
+      options.indexBase = variant % 2;
+      options.unitKnots = variant == 3;
+      const std::string path = folder / "a.qfmb";
+      const auto files = [&] { return contents(path) + (options.separateGeometry ? contents(folder / "a.bsp") : ""); };
+      writeQuadflow(makeQuadflowCase(input), path, options);
+      const std::string serial = files();
+      for (int size = 1; size <= 5; ++size)
+      {
+        for (const std::vector<int>& owners : distributions(random, input.volumes.size(), size))
+        {
+          put(path, "old");
+          const auto errors = onRanks(size, [&](const Execution& run) {
+            writeQuadflow(makeQuadflowCase(partOf(input, owners, run.ranks->rank()), run), path, options, run);
+          });
+          EXPECT_EQ(errors, std::vector<std::string>(size));
+          EXPECT_TRUE(files() == serial) << "variant " << variant << ", " << size << " ranks";
+        }
+      }
+      EXPECT_EQ(folder.files(), options.separateGeometry ? 2u : 1u);
+      fs::remove(folder / "a.bsp");
+    }
+  }
+}
+
+TEST(Quadflow, FailureOfOneRankIsThatOfAll)
+{
+  Folder folder;
+  std::mt19937 random(22);
+  const Volumes lattice = cutLattice(random, { { { 20, 20 }, { 20, 20 }, { 20 } } });
+  const QuadflowInput input = inputOf(lattice);
+  const std::vector<int> owners{ 3, 1, 1, 2 };
+  const std::string path = folder / "a.qfmb";
+  put(path, "old");
+  const auto write = [&](const QuadflowInput& what, const std::string& to, const Execution& run) {
+    writeQuadflow(makeQuadflowCase(partOf(what, owners, run.ranks->rank()), run), to, {}, run);
+  };
+  const auto expectOneError = [&](const std::vector<std::string>& errors, const std::string& part) {
+    EXPECT_NE(errors[0].find(part), std::string::npos) << errors[0];
+    EXPECT_EQ(errors, std::vector<std::string>(errors.size(), errors[0]));
+    EXPECT_EQ(folder.files(), 1u);
+    EXPECT_EQ(contents(path), "old");
+  };
+
+  // Each rank in turn stops: while it counts, while it writes, at the very end.
+  for (int bad = 0; bad < 4; ++bad)
+  {
+    for (const double when : { 0.0, 0.5, 1.0 })
+    {
+      const auto errors = onRanks(4, [&](Execution run) {
+        run.progress = [&](double fraction) { return run.ranks->rank() != bad || fraction < when; };
+        write(input, path, run);
+      });
+      // Rank 0 has no block and is asked at the end only.
+      expectOneError(errors, Aborted().what());
+    }
+  }
+
+  // A block that is not finite, and blocks that do not fit their neighbours, on one rank.
+  std::vector<double> points = lattice.blocks[3].points;
+  QuadflowInput broken = input;
+  broken.volumes[3].points = points.data();
+  points[5000] = std::numeric_limits<double>::infinity();
+  expectOneError(onRanks(4, [&](const Execution& run) { write(broken, path, run); }), "block 3 'block 3'");
+  const Block& block = lattice.blocks[3];
+  points = block.points;
+  const Interface* contact = nullptr;
+  for (const Interface& candidate : lattice.interfaces)
+  {
+    contact = candidate.blockA == 3 || candidate.blockB == 3 ? &candidate : contact;
+  }
+  ASSERT_NE(contact, nullptr);
+  const int face = contact->blockA == 3 ? contact->faceA : contact->faceB;
+  points[3 * block.at(facePosition(block.counts(), face, 7, 9))] += 1.0;
+  expectOneError(onRanks(4, [&](const Execution& run) { write(broken, path, run); }), "differ");
+
+  // No room, no folder.
+  rlimit limit;
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit small{ 300000, limit.rlim_max };
+  std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto full = onRanks(4, [&](const Execution& run) { write(input, path, run); });
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  std::signal(SIGXFSZ, SIG_DFL);
+  expectOneError(full, "Cannot write");
+  expectOneError(
+    onRanks(4, [&](const Execution& run) { write(input, folder / "no/such/folder.qfmb", run); }), "Cannot create");
+
+  // Rank 2 does not see the folder: its thread has a working folder of its own.
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path);
+  const auto blind = onRanks(4, [&](const Execution& run) {
+    if (run.ranks->rank() == 2)
+    {
+      ASSERT_EQ(::unshare(CLONE_FS), 0);
+      ASSERT_EQ(::chdir("/"), 0);
+    }
+    write(input, "b.qfmb", run);
+  });
+  fs::current_path(before);
+  expectOneError(blind, "on rank 2");
 }
 
 TEST(Quadflow, KeepsLinksAndPermissions)

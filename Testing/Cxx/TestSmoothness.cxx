@@ -3,6 +3,7 @@
 #include "ConversionCases.h"
 #include "MeshCases.h"
 #include "Smoothness.h"
+#include "ThreadRanks.h"
 #include "VolumeCases.h"
 #include "VolumeInterfaces.h"
 
@@ -899,6 +900,136 @@ TEST(Smoothness, SameBitsForAnyNumberingOrientationAndThreads)
     meshcases::shuffle(other, seed, seed % 2 == 0);
     EXPECT_EQ(all(other, {}), reference) << "seed " << seed;
   }
+}
+
+/// A maximum, exactly.
+std::vector<double> numbers(const JumpMaximum& jump)
+{
+  std::vector<double> list{ jump.value };
+  for (const Vec3& x : { jump.point, jump.uvw[0], jump.uvw[1] })
+  {
+    list.insert(list.end(), x.data(), x.data() + 3);
+  }
+  return list;
+}
+
+/// The part of `all` that a rank should have.
+void expectPart(const SmoothnessResult& part, const SmoothnessResult& all, const std::vector<int>& owners, int rank)
+{
+  EXPECT_EQ(part.ranking, all.ranking);
+  EXPECT_EQ(part.worst, all.worst);
+  ASSERT_EQ(part.blocks.size(), all.blocks.size());
+  for (std::size_t b = 0; b < all.blocks.size(); ++b)
+  {
+    EXPECT_EQ(part.blocks[b].worst, all.blocks[b].worst);
+    EXPECT_EQ(part.blocks[b].worstJoin, all.blocks[b].worstJoin);
+    EXPECT_EQ(part.blocks[b].continuity, all.blocks[b].continuity);
+  }
+  ASSERT_EQ(part.joins.size(), all.joins.size());
+  for (std::size_t j = 0; j < all.joins.size(); ++j)
+  {
+    const Join& mine = part.joins[j];
+    const Join& join = all.joins[j];
+    const bool own = owners[join.sides[0].block] == rank;
+    EXPECT_EQ(
+      std::tie(mine.crease, mine.atCrease, mine.continuity, mine.boundToKink, mine.valences, mine.spans, mine.samples),
+      std::tie(join.crease, join.atCrease, join.continuity, join.boundToKink, join.valences, join.spans, join.samples));
+    EXPECT_EQ(mine.points, own ? join.points : std::vector<Vec3>());
+    for (int kind = 0; kind < JumpKinds; ++kind)
+    {
+      EXPECT_EQ(numbers(mine.worst[kind]), numbers(join.worst[kind]));
+      EXPECT_EQ(mine.values[kind], own ? join.values[kind] : std::vector<double>());
+      EXPECT_EQ(mine.spanMaxima[kind], own ? join.spanMaxima[kind] : std::vector<double>());
+    }
+  }
+  ASSERT_EQ(part.curves.size(), all.curves.size());
+  for (std::size_t c = 0; c < all.curves.size(); ++c)
+  {
+    const ExtraordinaryCurve& curve = all.curves[c];
+    const bool own = owners[curve.block] == rank;
+    EXPECT_EQ(part.curves[c].valence, curve.valence);
+    EXPECT_EQ(part.curves[c].points, own ? curve.points : std::vector<Vec3>());
+    EXPECT_EQ(part.curves[c].normalJump, own ? curve.normalJump : std::vector<double>());
+  }
+}
+
+TEST(Smoothness, SameBitsOnAnyRanks)
+{
+  std::mt19937 random(5);
+  const auto ring =
+    conversioncases::convert(meshcases::ring(5, 3, { { 0, 1, 2, 3 }, { 3, 4, 5 } }).apply(meshcases::wavy).mesh());
+  const auto body = conversioncases::convert(meshcases::sphereBody(3, { 1.0, 1.3, 1.7 }).mesh());
+  for (const auto* converted : { &ring, &body })
+  {
+    std::vector<BSplineVolume> volumes = converted->volumes;
+    // A rational block, which no longer fits its neighbours.
+    const BSplineVolume& last = volumes.back();
+    std::vector<double> weights(std::size_t(last.count(0)) * last.count(1) * last.count(2));
+    std::generate(
+      weights.begin(), weights.end(), [&] { return std::uniform_real_distribution<double>(0.5, 2.0)(random); });
+    volumes.back().weights = weights.data();
+    SmoothnessOptions options;
+    options.isWall = [&](int block, int face) { return face >= 4 && block != 1; };
+    const auto interfaces = findVolumeInterfaces(converted->volumes);
+    const SmoothnessResult all = measureSmoothness(volumes, interfaces, options);
+    ASSERT_FALSE(all.curves.empty());
+    ASSERT_GT(all.joins.size(), interfaces.size());
+    for (int size = 1; size <= 5; ++size)
+    {
+      for (const std::vector<int>& owners : distributions(random, volumes.size(), size))
+      {
+        const auto errors = onRanks(size, [&](const Execution& run) {
+          const int rank = run.ranks->rank();
+          const auto found = findVolumeInterfaces(partOf(converted->volumes, owners, rank), {}, run);
+          ASSERT_EQ(found.size(), interfaces.size());
+          for (std::size_t n = 0; n < found.size(); ++n)
+          {
+            EXPECT_EQ(std::tie(found[n].blockA, found[n].faceA, found[n].blockB, found[n].faceB, found[n].orientation),
+              std::tie(interfaces[n].blockA, interfaces[n].faceA, interfaces[n].blockB, interfaces[n].faceB,
+                interfaces[n].orientation));
+          }
+          expectPart(measureSmoothness(partOf(volumes, owners, rank), found, options, run), all, owners, rank);
+        });
+        EXPECT_EQ(errors, std::vector<std::string>(size));
+      }
+    }
+  }
+}
+
+TEST(Smoothness, ErrorsAndAbortsOfOneRankAreThoseOfAll)
+{
+  const Volumes lattice = [] {
+    std::mt19937 random(3);
+    return cutLattice(random, { { { 2, 1 }, { 1, 3 }, { 2 } } }, { false, false, false }, false);
+  }();
+  std::vector<BSplineVolume> volumes;
+  for (const Block& block : lattice.blocks)
+  {
+    volumes.push_back(block.view());
+  }
+  std::vector<double> broken = lattice.blocks[3].points;
+  broken[7] = std::numeric_limits<double>::infinity();
+  const std::vector<int> owners{ 2, 0, 2, 1 };
+  const auto measure = [&](const Execution& run) {
+    measureSmoothness(partOf(volumes, owners, run.ranks->rank()), lattice.interfaces, {}, run);
+  };
+  const auto stopped = onRanks(3, [&](Execution run) {
+    run.progress = [&](double) { return run.ranks->rank() != 2; };
+    EXPECT_THROW(measure(run), Aborted);
+  });
+  EXPECT_EQ(stopped, std::vector<std::string>(3));
+  volumes[3].points = broken.data();
+  std::string serial;
+  try
+  {
+    measureSmoothness(volumes, lattice.interfaces);
+  }
+  catch (const Error& error)
+  {
+    serial = error.what();
+  }
+  EXPECT_NE(serial.find("are not finite"), std::string::npos) << serial;
+  EXPECT_EQ(onRanks(3, measure), std::vector<std::string>(3, serial));
 }
 
 //------------------------------------------------------------------------------

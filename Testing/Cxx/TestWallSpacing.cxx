@@ -4,12 +4,17 @@
 #include "ConversionCases.h"
 #include "MeshCases.h"
 #include "Sampling.h"
+#include "ThreadRanks.h"
 #include "WallSpacing.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <numeric>
+#include <random>
 
 namespace
 {
@@ -528,6 +533,132 @@ TEST(WallSpacing, SameForAnyNumberingAndRefusesWhatIsWrong)
   refused([](auto& wrong) { wrong.flow.machNumber = NaN; });
   options.roles.clear();
   refused([](auto&) {});
+}
+
+
+//------------------------------------------------------------------------------
+// Meshes on several ranks
+
+/// A wavy plate under three storeys of blocks, the boundary layer reaching into the third.
+MeshCase storeys()
+{
+  const int cells = 3;
+  const std::vector<double> heights = geometric(2e-4, 1.25, 18);
+  MeshCase mesh;
+  mesh.boundaryNames = { "wall left", "wall right" };
+  for (int b = 0; b < 12; ++b)
+  {
+    mesh.add({ cells, cells, 6 }, [&](const Ijk& p) {
+      const double x = 2.0 * (b % 2) + 2.0 * p[0] / cells, y = 2.0 * (b / 2 % 2) + 2.0 * p[1] / cells;
+      return Vec3(x, y, heights[6 * (b / 4) + p[2]] * (1.0 + 0.1 * std::sin(x + 2.0 * y)) + 0.02 * std::cos(x * y));
+    });
+    if (b < 4)
+    {
+      mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, b % 2 });
+    }
+  }
+  return mesh;
+}
+
+TEST(WallSpacing, SameBitsOnAnyRanks)
+{
+  const auto check = [](MeshCase& mesh, const ConversionOptions& options, const bsv::WallSpacingOptions& wall) {
+    const bsv::BlockMesh whole = mesh.mesh();
+    const bsv::WallSpacingResult serial = bsv::wallSpacing(whole, bsv::buildBlockComplex(whole), options, wall);
+    for (int size = 2; size <= 5; ++size)
+    {
+      std::mt19937 random(size);
+      std::vector<int> rankOf;
+      for (std::size_t b = 0; b < whole.blocks.size(); ++b)
+      {
+        rankOf.push_back(static_cast<int>(random() % (size == 4 ? 3 : size))); // of four ranks the last has nothing
+      }
+      std::vector<bsv::Index> counted(size, 0), sides(size, 0);
+      const auto errors = bsvtest::onRanks(size, [&](const bsv::Execution& run) {
+        const int rank = run.ranks->rank();
+        const bsv::BlockMesh part = bsvtest::distributed(whole, rankOf, rank);
+        const bsv::BlockComplex complex = bsv::buildBlockComplex(part, {}, run);
+        const bsv::WallSpacingResult result = bsv::wallSpacing(part, complex, options, wall, run);
+        EXPECT_EQ(result.wallPoints, serial.wallPoints);
+        EXPECT_EQ(result.reached, serial.reached);
+        EXPECT_EQ(result.levelForAll, serial.levelForAll);
+        EXPECT_EQ(result.layersForAll, serial.layersForAll);
+        EXPECT_EQ(result.warning, serial.warning);
+        for (std::size_t b = 0; b < whole.blocks.size(); ++b)
+        {
+          const std::vector<double>& c = result.spacingPoints[b];
+          const std::vector<double>& expected = serial.spacingPoints[b];
+          ASSERT_EQ(c.size(), rankOf[b] == rank ? expected.size() : 0u);
+          EXPECT_EQ(c.empty() ? 0 : std::memcmp(c.data(), expected.data(), c.size() * sizeof(double)), 0);
+        }
+        for (const bsv::WallSpacingResult::Side& side : result.sides)
+        {
+          const auto other = std::find_if(serial.sides.begin(), serial.sides.end(),
+            [&](const auto& found) { return found.block == side.block && found.face == side.face; });
+          ASSERT_NE(other, serial.sides.end());
+          for (std::size_t i = 0; i < side.vertices.size(); ++i)
+          {
+            const bsv::Index v = side.vertices[i], w = other->vertices[i];
+            EXPECT_EQ(result.points[v], serial.points[w]);
+            EXPECT_EQ(result.layers[v].distance, serial.layers[w].distance);
+            EXPECT_EQ(result.spacing[v], serial.spacing[w]);
+            EXPECT_EQ(result.firstHeight[v], serial.firstHeight[w]);
+            EXPECT_EQ(result.yPlus[v], serial.yPlus[w]);
+            EXPECT_EQ(result.growth[v], serial.growth[w]);
+            EXPECT_EQ(result.cells[v], serial.cells[w]);
+            EXPECT_EQ(result.allowed[v], serial.allowed[w]);
+            EXPECT_EQ(result.reachingLevel[v], serial.reachingLevel[w]);
+          }
+        }
+        sides[rank] = static_cast<bsv::Index>(result.sides.size());
+        counted[rank] = std::count(result.counted.begin(), result.counted.end(), 1);
+      });
+      EXPECT_EQ(errors, std::vector<std::string>(size));
+      EXPECT_EQ(std::accumulate(sides.begin(), sides.end(), bsv::Index(0)), bsv::Index(serial.sides.size()));
+      EXPECT_EQ(std::accumulate(counted.begin(), counted.end(), bsv::Index(0)), serial.wallPoints);
+    }
+    return serial;
+  };
+  bsv::WallSpacingOptions wall;
+  wall.flow.reynoldsNumber = 1e6;
+  wall.flow.referenceLength = 4.0;
+  wall.minimumDistance = 0.2;
+  MeshCase plates = storeys();
+  const bsv::WallSpacingResult result = check(plates, walls(), wall);
+  // The layer really reaches beyond the blocks at the wall.
+  EXPECT_GT(*std::max_element(result.cells.begin(), result.cells.end()), 2.0 * 12.0);
+
+  // Creases, a symmetry plane, extraordinary vertices.
+  MeshCase body = extendedCuboid(4, 12, 1.0, 1.2);
+  ConversionOptions options;
+  options.roles = { BoundaryRole::Body, BoundaryRole::Symmetry };
+  wall.targetYPlus = 15.0;
+  check(body, options, wall);
+}
+
+TEST(WallSpacing, AllRanksEndTogether)
+{
+  MeshCase mesh = storeys();
+  const bsv::BlockMesh whole = mesh.mesh();
+  const std::vector<int> rankOf{ 0, 1, 0, 1, 2, 2, 2, 2, 0, 1, 2, 0 };
+  for (int steps = 0; steps < 40; steps += 3)
+  {
+    const auto errors = bsvtest::onRanks(3, [&](bsv::Execution run) {
+      const bsv::BlockMesh part = bsvtest::distributed(whole, rankOf, run.ranks->rank());
+      const bsv::BlockComplex complex = bsv::buildBlockComplex(part, {}, run);
+      int reports = 0;
+      run.progress = [&](double) { return run.ranks->rank() != 1 || ++reports <= steps; };
+      bsv::wallSpacing(part, complex, walls(), {}, run);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(3, errors[0]));
+    EXPECT_TRUE(errors[0] == bsv::Aborted().what() || (steps > 0 && errors[0].empty())) << errors[0];
+  }
+  const auto errors = bsvtest::onRanks(3, [&](const bsv::Execution& run) {
+    const bsv::BlockMesh part = bsvtest::distributed(whole, rankOf, run.ranks->rank());
+    bsv::wallSpacing(part, bsv::buildBlockComplex(part, {}, run), {}, {}, run);
+  });
+  EXPECT_NE(errors[2].find("no wall"), std::string::npos);
+  EXPECT_EQ(errors, std::vector<std::string>(3, errors[2]));
 }
 
 } // namespace

@@ -251,6 +251,34 @@ inline Volumes cutLattice(std::mt19937& random, const std::array<std::vector<int
   return result;
 }
 
+/// What `rank` has of volumes whose block b is on rank owners[b].
+inline std::vector<BSplineVolume> partOf(std::vector<BSplineVolume> volumes, const std::vector<int>& owners, int rank)
+{
+  for (std::size_t b = 0; b < volumes.size(); ++b)
+  {
+    volumes[b].rank = owners[b];
+    if (owners[b] != rank)
+    {
+      volumes[b].points = nullptr;
+      volumes[b].weights = nullptr;
+    }
+  }
+  return volumes;
+}
+
+/// Ways to share blocks out over ranks: at random, all on the last one, and in turn.
+inline std::vector<std::vector<int>> distributions(std::mt19937& random, std::size_t blocks, int ranks)
+{
+  std::vector<std::vector<int>> result(3);
+  for (std::size_t b = 0; b < blocks; ++b)
+  {
+    result[0].push_back(std::uniform_int_distribution<int>(0, ranks - 1)(random));
+    result[1].push_back(ranks - 1);
+    result[2].push_back(static_cast<int>(b % ranks));
+  }
+  return result;
+}
+
 /// Runs ranges of `grain` in two threads, last range first.
 inline bsv::Execution scrambledExecution(Index grain = 1)
 {

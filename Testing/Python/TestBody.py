@@ -41,8 +41,8 @@ def read_g2(patches):
     return producer(copy)
 
 
-def ellipsoid(scale=1.0, offset=(0, 0, 0)):
-    """The whole ellipsoid as one patch: circles of four quarter arcs around the z axis, along a half circle of two."""
+def ellipsoid_patch(scale=1.0, offset=(0, 0, 0)):
+    """The whole ellipsoid: circles of four quarter arcs around the z axis, along a half circle of two."""
     half = math.sqrt(0.5)
     circle = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)]
     meridian = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1)]
@@ -53,7 +53,11 @@ def ellipsoid(scale=1.0, offset=(0, 0, 0)):
             points.append(tuple(scale * axis * u + o for axis, u, o in zip(AXES, unit, offset)))
             weights.append((half if a % 2 else 1.0) * (half if b % 2 else 1.0))
     knots = [[0.0] * 3 + [1.0] * 2 + [2.0] * 2 + [3.0] * 2 + [4.0] * 3, [0.0] * 3 + [1.0] * 2 + [2.0] * 3]
-    return read_g2([((2, 2), knots, points, weights)])
+    return (2, 2), knots, points, weights
+
+
+def ellipsoid(scale=1.0, offset=(0, 0, 0)):
+    return read_g2([ellipsoid_patch(scale, offset)])
 
 
 def with_boundaries(data, tags, boundary_names):
