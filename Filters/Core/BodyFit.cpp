@@ -525,14 +525,15 @@ public:
   void raise(const PointAt& point, const Displacement& displacement)
   {
     Grid& grid = this->Grids[this->Complex.blocks[point.block].parent];
-    const Index at = this->place(point);
-    Vec3& offset = grid.offsets->at(at, [](Index) { return Vec3(Vec3::Zero()); });
-    grid.weights.resize(grid.offsets->slots(), 0.0);
-    double& weight = grid.weights[grid.offsets->slot(at)];
-    if (Displacement{ weight, offset } < displacement)
+    const Index slot = grid.offsets->add(this->place(point), [](Index) { return Vec3(Vec3::Zero()); });
+    if (slot >= static_cast<Index>(grid.weights.size()))
     {
-      weight = displacement.weight;
-      offset = displacement.offset;
+      grid.weights.resize(grid.offsets->slots(), 0.0);
+    }
+    if (Displacement{ grid.weights[slot], (*grid.offsets)[slot] } < displacement)
+    {
+      grid.weights[slot] = displacement.weight;
+      (*grid.offsets)[slot] = displacement.offset;
     }
   }
 
@@ -608,19 +609,16 @@ public:
       ChangedPoints& points = *grid.offsets;
       const GridView before = pieces.front()->points;
       const auto unmoved = [&](Index i) { return before.atOffset(i - before.start()); };
-      points.forEach([&](Index i, Vec3& offset) {
+      points.forEach([&](Index i, Index slot) {
         const Vec3 x = unmoved(i);
-        offset += x;
-        if (grid.weights[points.slot(i)] == 0.0)
-        {
-          offset = x; // keeps the sign of zeros
-        }
+        const bool moves = grid.weights[slot] > 0.0;
+        points[slot] = moves ? Vec3(x + points[slot]) : x;
       });
       for (Index i = 0; before.changes() && i < grid.size; ++i)
       {
         if (before.changes()->find(i))
         {
-          points.at(i, unmoved);
+          points.add(i, unmoved);
         }
       }
       for (ComplexBlock* piece : pieces)
@@ -724,10 +722,10 @@ private:
     for (const PointAt& copy : copies)
     {
       const Grid& grid = this->Grids[this->Complex.blocks[copy.block].parent];
-      const Vec3* offset = grid.offsets->find(this->place(copy));
-      if (offset)
+      const Index slot = grid.offsets->slot(this->place(copy));
+      if (slot >= 0)
       {
-        largest = std::max(largest, { grid.weights[grid.offsets->slot(this->place(copy))], *offset });
+        largest = std::max(largest, { grid.weights[slot], (*grid.offsets)[slot] });
       }
     }
     if (largest.weight == 0.0)
