@@ -525,7 +525,7 @@ public:
   void raise(const PointAt& point, const Displacement& displacement)
   {
     Grid& grid = this->Grids[this->Complex.blocks[point.block].parent];
-    const Index slot = grid.offsets->add(this->place(point), [](Index) { return Vec3(Vec3::Zero()); });
+    const Index slot = grid.offsets->add(this->place(point), [](Index) { return unmoved(); });
     if (slot >= static_cast<Index>(grid.weights.size()))
     {
       grid.weights.resize(grid.offsets->slots(), 0.0);
@@ -608,17 +608,16 @@ public:
       const Grid& grid = this->Grids[parent];
       ChangedPoints& points = *grid.offsets;
       const GridView before = pieces.front()->points;
-      const auto unmoved = [&](Index i) { return before.atOffset(i - before.start()); };
+      const auto given = [&](Index i) { return before.atOffset(i - before.start()); };
       points.forEach([&](Index i, Index slot) {
-        const Vec3 x = unmoved(i);
-        const bool moves = grid.weights[slot] > 0.0;
-        points[slot] = moves ? Vec3(x + points[slot]) : x;
+        const Vec3 x = given(i);
+        points[slot] = isUnmoved(points[slot]) ? x : Vec3(x + points[slot]);
       });
       for (Index i = 0; before.changes() && i < grid.size; ++i)
       {
         if (before.changes()->find(i))
         {
-          points.add(i, unmoved);
+          points.add(i, given);
         }
       }
       for (ComplexBlock* piece : pieces)
@@ -642,9 +641,12 @@ private:
   {
     Index size = 0;
     std::shared_ptr<ChangedPoints> offsets;
-    /// Per slot of `offsets`.
+    /// Per slot of `offsets`; 0 for points that do not move.
     std::vector<double> weights;
   };
+  /// Offset of points that share a page with others and do not move: not zero, which would change the sign of zeros.
+  static Vec3 unmoved() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
+  static bool isUnmoved(const Vec3& offset) { return std::isnan(offset[0]); }
 
   Index place(const PointAt& point) const
   {

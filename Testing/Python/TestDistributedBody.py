@@ -109,5 +109,21 @@ def test_any_distribution():
             assert all(field(here, name) == field(tessellation, name) for name in TOTALS)
 
 
+def test_an_error_ends_on_all_ranks():
+    """A body without patches, which all learn from each other: one message, on the first rank."""
+    rank = controller().GetLocalProcessId()
+    with alone():
+        net, surface = volume(), body()
+    measure = bsplinevolume.vtkBodyDeviation()
+    measure.SetInputDataObject(0, net)
+    measure.SetInputDataObject(1, only(surface, lambda b: False))
+    errors = []
+    measure.AddObserver("ErrorEvent", lambda *_: errors.append(1))
+    measure.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+    measure.Update()
+    assert len(errors) == (1 if rank == 0 else 0)
+    assert measure.GetOutputDataObject(0).GetNumberOfPartitionedDataSets() == 0
+
+
 if __name__ == "__main__":
     main(globals())
