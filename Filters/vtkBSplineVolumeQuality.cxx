@@ -80,7 +80,6 @@ struct BlockSpans
 /// What all ranks know of a block.
 struct BlockSummary
 {
-  std::size_t block;
   Index valid, invalid, undecided;
   double lowest, lowestScaled;
   bool leftHanded;
@@ -383,7 +382,7 @@ int vtkBSplineVolumeQuality::RequestData(
     std::vector<bsv::JacobianReport> reports(count);
     bsv::JacobianOptions options;
     options.maxDepth = this->MaximumDepth;
-    std::vector<BlockSummary> summaries;
+    std::vector<BlockSummary> summaries(count);
     ranks.together([&] {
       double done = 0.0;
       for (std::size_t b = 0; b < count; ++b)
@@ -421,16 +420,16 @@ int vtkBSplineVolumeQuality::RequestData(
         const bsv::JacobianReport& report = reports[b];
         // The bounds of single spans may reach beyond zero although det J does not.
         const bool leftHanded = report.invalid == spans && 2 * report.negative > spans;
-        summaries.push_back({ b, report.valid, report.invalid, report.undecided, report.lowest,
-          *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans), leftHanded });
+        summaries[b] = { report.valid, report.invalid, report.undecided, report.lowest,
+          *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans), leftHanded };
       }
     });
-    summaries = ranks.gatherAll(summaries);
-    std::sort(summaries.begin(), summaries.end(),
-      [](const BlockSummary& x, const BlockSummary& y) { return x.block < y.block; });
-    for (const BlockSummary& summary : summaries)
+    ranks.share(summaries, [&](Index b) { return input.ranks[b]; });
+    std::vector<std::string> warnings;
+    for (std::size_t b = 0; b < count; ++b)
     {
-      const vtkIdType at = static_cast<vtkIdType>(summary.block);
+      const BlockSummary& summary = summaries[b];
+      const vtkIdType at = static_cast<vtkIdType>(b);
       const vtkIdType spans = blocks[at].count();
       validSpans->SetValue(at, summary.valid);
       invalidSpans->SetValue(at, summary.invalid);
@@ -448,11 +447,13 @@ int vtkBSplineVolumeQuality::RequestData(
       }
       this->MinimumScaledJacobian =
         at == 0 ? summary.lowestScaled : std::min(this->MinimumScaledJacobian, summary.lowestScaled);
-      if (summary.leftHanded && ranks.rank() == 0)
+      if (summary.leftHanded)
       {
-        vtkWarningMacro(<< input.label(at) << " is left-handed: det J <= 0 in all of its " << spans << " spans.");
+        warnings.push_back(
+          input.label(b) + " is left-handed: det J <= 0 in all of its " + std::to_string(spans) + " spans.");
       }
     }
+    bsv::warn(this, warnings);
 
     std::vector<bsv::Interface> interfaces = input.interfaces;
     if (!input.hasInterfaces)
@@ -471,10 +472,7 @@ int vtkBSplineVolumeQuality::RequestData(
       catch (const bsv::Error& error)
       {
         // Everything but GrowthRatio does without them.
-        if (ranks.rank() == 0)
-        {
-          vtkWarningMacro(<< "No interfaces are found: " << error.what());
-        }
+        bsv::warn(this, { std::string("No interfaces are found: ") + error.what() });
       }
     }
 

@@ -94,13 +94,8 @@ BezierExtraction::BezierExtraction(const std::vector<BSplineVolume>& volumes, co
   , Rank(run.ranks->rank())
   , Counts(allCounts(volumes))
   , Surface(surfacesOf(this->Counts))
+  , Tolerances(volumes.size(), 0.0)
 {
-  struct Largest
-  {
-    std::size_t block;
-    double coordinate;
-  };
-  std::vector<Largest> largest;
   bool rational = false;
   for (std::size_t b = 0; b < volumes.size(); ++b)
   {
@@ -111,7 +106,7 @@ BezierExtraction::BezierExtraction(const std::vector<BSplineVolume>& volumes, co
     {
       this->SurfacePoints +=
         this->Surface.firstPoint(static_cast<int>(b) + 1) - this->Surface.firstPoint(static_cast<int>(b));
-      largest.push_back({ b, largestCoordinate(volume) });
+      this->Tolerances[b] = WeldTolerance * largestCoordinate(volume);
     }
     std::array<WeightTable, 3> tables;
     Ijk spans;
@@ -124,11 +119,7 @@ BezierExtraction::BezierExtraction(const std::vector<BSplineVolume>& volumes, co
     this->Spans.push_back(spans);
   }
   this->Rational = run.ranks->any(rational);
-  this->Tolerances.resize(volumes.size());
-  for (const Largest& entry : run.ranks->gatherAll(largest))
-  {
-    this->Tolerances[entry.block] = WeldTolerance * entry.coordinate;
-  }
+  run.ranks->share(this->Tolerances, [&](Index b) { return volumes[b].rank; });
   run.ranks->together([&] { this->evaluateSurfaces(run); });
   this->number(interfaces ? *interfaces : this->coincidentFaces(*run.ranks), cells, *run.ranks);
 }

@@ -112,31 +112,21 @@ private:
 /// The control points at the eight corners of every block, on all ranks.
 std::vector<std::array<Vec3, 8>> cornerPoints(const std::vector<const BSplineVolume*>& volumes, const Ranks& ranks)
 {
-  struct Packed
-  {
-    std::size_t block;
-    std::array<std::array<double, 3>, 8> corners;
-  };
-  std::vector<Packed> own;
+  std::vector<std::array<std::array<double, 3>, 8>> corners(volumes.size());
   for (std::size_t b = 0; b < volumes.size(); ++b)
   {
-    if (volumes[b]->rank == ranks.rank())
+    for (int corner = 0; volumes[b]->rank == ranks.rank() && corner < 8; ++corner)
     {
-      own.push_back({ b, {} });
-      for (int corner = 0; corner < 8; ++corner)
-      {
-        const Ijk i = cornerPoint(*volumes[b], corner);
-        std::copy_n(volumes[b]->points + 3 * offsetOf(*volumes[b], i), 3, own.back().corners[corner].data());
-      }
+      const Index at = offsetOf(*volumes[b], cornerPoint(*volumes[b], corner));
+      std::copy_n(volumes[b]->points + 3 * at, 3, corners[b][corner].data());
     }
   }
+  ranks.share(corners, [&](Index b) { return volumes[b]->rank; });
   std::vector<std::array<Vec3, 8>> result(volumes.size());
-  for (const Packed& packed : ranks.gatherAll(own))
+  for (std::size_t b = 0; b < volumes.size(); ++b)
   {
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      result[packed.block][corner] = Eigen::Map<const Vec3>(packed.corners[corner].data());
-    }
+    std::transform(corners[b].begin(), corners[b].end(), result[b].begin(),
+      [](const std::array<double, 3>& x) { return Vec3(x[0], x[1], x[2]); });
   }
   return result;
 }
@@ -319,25 +309,16 @@ QuadflowEdgeClass edgeClass(const SharedEntities::Edge& edge, const BSplineVolum
 std::vector<QuadflowEdgeClass> edgeClasses(
   const std::vector<SharedEntities::Edge>& edges, const QuadflowInput& input, const Ranks& ranks)
 {
-  struct Entry
-  {
-    std::size_t edge;
-    QuadflowEdgeClass kind;
-  };
-  std::vector<Entry> own;
+  std::vector<QuadflowEdgeClass> result(edges.size());
   for (std::size_t e = 0; e < edges.size(); ++e)
   {
-    const BSplineVolume& volume = input.volumes[edges[e].block];
-    if (volume.rank == ranks.rank())
+    const int block = edges[e].block;
+    if (input.volumes[block].rank == ranks.rank())
     {
-      own.push_back({ e, edgeClass(edges[e], volume, input.rules.empty() ? nullptr : input.rules[edges[e].block]) });
+      result[e] = edgeClass(edges[e], input.volumes[block], input.rules.empty() ? nullptr : input.rules[block]);
     }
   }
-  std::vector<QuadflowEdgeClass> result(edges.size());
-  for (const Entry& entry : ranks.gatherAll(own))
-  {
-    result[entry.edge] = entry.kind;
-  }
+  ranks.share(result, [&](Index e) { return input.volumes[edges[e].block].rank; });
   return result;
 }
 
@@ -397,7 +378,7 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input, const Execution& run)
       {
         if (!std::isfinite(*x))
         {
-          throw Error(label(b) + ": control point " + std::to_string((x - volume.points) / 3) + " is not finite");
+          throw ErrorAt(b, label(b) + ": control point " + std::to_string((x - volume.points) / 3) + " is not finite");
         }
       }
     }
@@ -533,12 +514,13 @@ public:
   }
 
 private:
-  [[noreturn]] void fail(int line, const std::string& what, bool inGeometry = false) const
+  /// @param place of an error that not all ranks meet, for ErrorAt
+  [[noreturn]] void fail(int line, const std::string& what, bool inGeometry = false, Index place = 0) const
   {
     const std::string& file = inGeometry ? this->GeometryFile : this->File;
     std::string where = file.empty() ? "" : file + ", ";
     where += line > 0 ? "line " + std::to_string(line) + ": " : "";
-    throw Error(where + what);
+    throw ErrorAt(place, where + what);
   }
 
   /// Ids as in the text.
@@ -847,7 +829,8 @@ private:
           {
             this->fail(vertex.line,
               "vertex " + this->id(block.vertices[corner]) + " is not the control point at corner " +
-                std::to_string(corner) + " of " + this->blockName(b));
+                std::to_string(corner) + " of " + this->blockName(b),
+              false, static_cast<Index>(b));
           }
         }
       }
@@ -878,7 +861,7 @@ private:
         const std::string what = difference(points, c.blockA, c.faceA, c.blockB, c.faceB, c.orientation);
         if (!what.empty())
         {
-          this->fail(entry.line, this->interfaceName(c) + what);
+          this->fail(entry.line, this->interfaceName(c) + what, false, &entry - this->All.interfaces.data());
         }
       }
     });

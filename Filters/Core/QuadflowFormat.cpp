@@ -286,27 +286,20 @@ void writeGeometry(AtomicFile& file, const QuadflowCase& all, const QuadflowOpti
   });
   if (several)
   {
-    struct Size
-    {
-      std::size_t block;
-      Index size;
-    };
-    std::vector<Size> own;
+    start.assign(all.blocks.size() + 1, 0);
     Index position = 0;
+    std::vector<Index> sizes(all.blocks.size(), 0);
     ranks.together([&] {
       CharacterCount written;
       position = first ? file.position() : 0;
       overOwn(0.0, 0.5, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
         const Index before = written.count();
         writeBlock(Text(written), volume, id, options, report);
-        own.push_back({ b, written.count() - before });
+        sizes[b] = written.count() - before;
       });
     });
-    start.assign(all.blocks.size() + 1, 0);
-    for (const Size& entry : ranks.gatherAll(own))
-    {
-      start[entry.block + 1] = entry.size;
-    }
+    ranks.share(sizes, [&](Index b) { return all.blocks[b].volume.rank; });
+    std::copy(sizes.begin(), sizes.end(), start.begin() + 1);
     start[0] = ranks.gatherAll(std::vector<Index>{ position }).front();
     std::partial_sum(start.begin(), start.end(), start.begin());
   }
@@ -688,8 +681,7 @@ constexpr int Any = std::numeric_limits<int>::max();
 class QuadflowReader
 {
 public:
-  QuadflowReader(
-    const std::string& path, const QuadflowStorage& storage, const Execution& run, const Piece& piece)
+  QuadflowReader(const std::string& path, const QuadflowStorage& storage, const Execution& run, const Piece& piece)
     : Storage(storage)
     , Run(run)
     , Part(piece)

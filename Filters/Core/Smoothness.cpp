@@ -1367,7 +1367,6 @@ void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOpt
       own.push_back(n);
     }
   }
-  std::vector<std::size_t> bad;
   run.ranks->together([&] {
     for (std::size_t first = 0; first < own.size();)
     {
@@ -1395,8 +1394,11 @@ void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOpt
       {
         if (!finite[n])
         {
-          bad = { own[first + n] };
-          return;
+          const auto& sides = joins[own[first + n]].sides;
+          throw ErrorAt(static_cast<Index>(own[first + n]),
+            "control points at the join of " + options.blockName(sides[0].block) + " face " +
+              std::to_string(sides[0].face) + " and " + options.blockName(sides[1].block) + " face " +
+              std::to_string(sides[1].face) + " are not finite");
         }
         rows.push_back(rows.back() + batch[n].rows());
       }
@@ -1418,15 +1420,6 @@ void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOpt
       done += size;
     }
   });
-  // The first of all ranks.
-  bad = run.ranks->gatherAll(bad);
-  if (!bad.empty())
-  {
-    const auto& sides = joins[*std::min_element(bad.begin(), bad.end())].sides;
-    throw Error("control points at the join of " + options.blockName(sides[0].block) + " face " +
-      std::to_string(sides[0].face) + " and " + options.blockName(sides[1].block) + " face " +
-      std::to_string(sides[1].face) + " are not finite");
-  }
 }
 
 /// Tells all ranks what they need to know of the joins that this one measured.
@@ -1434,7 +1427,6 @@ void shareResults(const std::vector<BSplineVolume>& volumes, std::vector<Join>& 
 {
   struct Summary
   {
-    std::size_t join;
     std::array<int, 2> spans, samples;
     bool crease;
     std::array<std::array<double, 10>, JumpKinds> worst;
@@ -1443,27 +1435,26 @@ void shareResults(const std::vector<BSplineVolume>& volumes, std::vector<Join>& 
   {
     return;
   }
-  std::vector<Summary> own;
+  std::vector<Summary> all(joins.size());
   for (std::size_t n = 0; n < joins.size(); ++n)
   {
     const Join& join = joins[n];
-    if (rankOf(volumes, join) == ranks.rank())
+    all[n] = { join.spans, join.samples, join.crease, {} };
+    for (int kind = 0; kind < JumpKinds; ++kind)
     {
-      own.push_back({ n, join.spans, join.samples, join.crease, {} });
-      for (int kind = 0; kind < JumpKinds; ++kind)
+      double* to = all[n].worst[kind].data();
+      *to++ = join.worst[kind].value;
+      for (const Vec3& x : { join.worst[kind].point, join.worst[kind].uvw[0], join.worst[kind].uvw[1] })
       {
-        double* to = own.back().worst[kind].data();
-        *to++ = join.worst[kind].value;
-        for (const Vec3& x : { join.worst[kind].point, join.worst[kind].uvw[0], join.worst[kind].uvw[1] })
-        {
-          to = std::copy_n(x.data(), 3, to);
-        }
+        to = std::copy_n(x.data(), 3, to);
       }
     }
   }
-  for (const Summary& summary : ranks.gatherAll(own))
+  ranks.share(all, [&](Index n) { return rankOf(volumes, joins[n]); });
+  for (std::size_t n = 0; n < joins.size(); ++n)
   {
-    Join& join = joins[summary.join];
+    const Summary& summary = all[n];
+    Join& join = joins[n];
     join.spans = summary.spans;
     join.samples = summary.samples;
     join.crease = summary.crease;

@@ -92,8 +92,7 @@ void shareFaces(const std::vector<BSplineVolume>& volumes, const Ranks& ranks, s
 {
   struct Packed
   {
-    std::size_t face;
-    std::array<double, 3 * (Steps + 1) * (Steps + 1)> points;
+    std::array<std::array<double, 3>, (Steps + 1) * (Steps + 1)> points;
     double tolerance;
     bool finite;
   };
@@ -101,35 +100,24 @@ void shareFaces(const std::vector<BSplineVolume>& volumes, const Ranks& ranks, s
   {
     return;
   }
-  std::vector<Packed> own;
+  const auto point = [&](std::size_t f, int n) -> Vec3& { return faces[f].points[n / (Steps + 1)][n % (Steps + 1)]; };
+  std::vector<Packed> all(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f)
   {
-    if (volumes[f / 6].rank == ranks.rank())
+    all[f] = { {}, faces[f].tolerance, faces[f].finite };
+    for (std::size_t n = 0; volumes[f / 6].rank == ranks.rank() && n < all[f].points.size(); ++n)
     {
-      own.push_back({ f, {}, faces[f].tolerance, faces[f].finite });
-      double* to = own.back().points.data();
-      for (const auto& row : faces[f].points)
-      {
-        for (const Vec3& x : row)
-        {
-          to = std::copy_n(x.data(), 3, to);
-        }
-      }
+      std::copy_n(point(f, static_cast<int>(n)).data(), 3, all[f].points[n].data());
     }
   }
-  for (const Packed& packed : ranks.gatherAll(own))
+  ranks.share(all, [&](Index f) { return volumes[f / 6].rank; });
+  for (std::size_t f = 0; f < faces.size(); ++f)
   {
-    ProbedFace& face = faces[packed.face];
-    face.tolerance = packed.tolerance;
-    face.finite = packed.finite;
-    const double* from = packed.points.data();
-    for (auto& row : face.points)
+    faces[f].tolerance = all[f].tolerance;
+    faces[f].finite = all[f].finite;
+    for (std::size_t n = 0; n < all[f].points.size(); ++n)
     {
-      for (Vec3& x : row)
-      {
-        x = Eigen::Map<const Vec3>(from);
-        from += 3;
-      }
+      point(f, static_cast<int>(n)) = Eigen::Map<const Vec3>(all[f].points[n].data());
     }
   }
 }
