@@ -2,7 +2,6 @@
 """Readers and the wing source on several MPI ranks, each of which reads the piece of its own number: together they have
 what one process alone reads, and they end together. Run with pvbatch --sym on any number of ranks.
 """
-import contextlib
 import os
 import shutil
 import struct
@@ -10,21 +9,11 @@ import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import CONTROLLER, RANK, RANKS, coordinates, main, names, shared_folder, total, values, vtk
+from bsv_support import RANK, RANKS, Alone, coordinates, main, names, shared_folder, total, values, vtk
 import make_demo_mesh  # bsv_support knows where it is
 
 assert RANKS == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
 LAST = RANKS - 1
-
-
-@contextlib.contextmanager
-def alone():
-    """Filters believe that there is only this process."""
-    vtk.vtkMultiProcessController.SetGlobalController(vtk.vtkDummyController())
-    try:
-        yield
-    finally:
-        vtk.vtkMultiProcessController.SetGlobalController(CONTROLLER)
 
 
 def reader(kind, path):
@@ -80,7 +69,7 @@ def refused(source):
 def write(folder):
     """A mesh with a neutral map and its volume, by the first rank."""
     if RANK == 0:
-        with alone():
+        with Alone():
             mesh = reader("HexBlockMesh", make_demo_mesh.write_demo(folder, 4))
             convert = bsplinevolume.vtkCatmullClarkToBSplineVolume()
             convert.SetInputConnection(mesh.GetOutputPort())
