@@ -943,6 +943,23 @@ TEST(Quadflow, SameFileFromAnyRanks)
   }
 }
 
+TEST(Quadflow, OnlyFacesTravel)
+{
+  Folder folder;
+  std::mt19937 random(23);
+  for (const int cells : { 8, 16 })
+  {
+    const Volumes lattice = cutLattice(random, { { { cells, cells }, { cells }, { cells } } });
+    const QuadflowInput input = inputOf(lattice);
+    const auto errors = onRanks(2, [&](const Execution& run) {
+      const QuadflowCase all = makeQuadflowCase(partOf(input, { 0, 1 }, run.ranks->rank()), run);
+      writeQuadflow(all, folder / "a.qfmb", {}, run);
+      EXPECT_LT(run.ranks->receivedBytes(), 24 * (cells + 3) * (cells + 3) + 4000);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(2));
+  }
+}
+
 TEST(Quadflow, FailureOfOneRankIsThatOfAll)
 {
   Folder folder;
