@@ -563,9 +563,13 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     const bsv::ConversionReport counts =
       bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0));
 
-    // The output.
+    const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
+
+    // The output. From here on the ranks do not communicate.
     bsv::setBlocks(output, nets, names, "BSplineVolume");
     setContacts(output, complex);
+    // The pipeline passes it on from the input, but not every rank has one.
+    bsv::setCreases(output->GetFieldData(), mesh.creases);
     vtkNew<vtkStringArray> ruleNames;
     ruleNames->SetName("ControlPointRuleNames");
     for (const std::string& name : bsv::controlPointRuleNames())
@@ -584,7 +588,6 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       this->ControlPointsPerRule->SetValue(static_cast<vtkIdType>(rule), counts.controlPoints[rule]);
       this->NumberOfControlPoints += counts.controlPoints[rule];
     }
-    const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
     this->ReceivedBytes = received[ranks.rank()];
     this->Report = reportText(complex, classes, options, wallPoints, counts) + rankText(complex, received);
     bsv::warn(this, complex.warnings);

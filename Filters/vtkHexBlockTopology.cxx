@@ -375,6 +375,8 @@ int vtkHexBlockTopology::RequestData(
     {
       parents->InsertNextValue(block.parent);
     }
+    // What the pipeline passes on from the input, on ranks that have none of it, too.
+    bsv::setConnectivity(output->GetFieldData(), mesh);
     output->GetFieldData()->AddArray(curves);
     output->GetFieldData()->AddArray(parents);
     output->GetFieldData()->AddArray(stringArray("ClassNames", bsv::entityClassNames()));

@@ -31,6 +31,9 @@
  * components: valence, number of curves); int array `ParentBlock`: per block of the complex the input block that it is
  * a piece of.
  *
+ * On several ranks each gives the entities whose first block is one of its own, with the numbers that they have in the
+ * whole complex; counts and field data are those of all.
+ *
  * An empty input gives three empty parts. What cannot be welded is an error that names block and face.
  *
  * @sa vtkCatmullClarkToBSplineVolume

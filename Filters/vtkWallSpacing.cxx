@@ -341,6 +341,11 @@ int vtkWallSpacing::RequestData(
     const bsv::WallSpacingResult wall =
       bsv::wallSpacing(mesh, complex, conversion, options, bsv::filterExecution(this, 0.3, 1.0));
 
+    range(wall.yPlus, this->YPlusRange, ranks);
+    range(wall.spacing, this->WallSpacingRange, ranks);
+    this->Report = reportText(options.flow, wall, ranks);
+
+    // From here on the ranks do not communicate.
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     std::vector<std::string> names;
     for (std::size_t b = 0; b < meshGrids.size(); ++b)
@@ -363,9 +368,6 @@ int vtkWallSpacing::RequestData(
 
     this->NumberOfWallPoints = static_cast<vtkIdType>(wall.wallPoints);
     this->NumberOfPointsOnTarget = static_cast<vtkIdType>(wall.reached);
-    range(wall.yPlus, this->YPlusRange, ranks);
-    range(wall.spacing, this->WallSpacingRange, ranks);
-    this->Report = reportText(options.flow, wall, ranks);
     if (!wall.warning.empty())
     {
       bsv::warn(this, { wall.warning });

@@ -38,6 +38,9 @@
  * `ViscousCoefficient` 1/Re of the stresses, `HeatCoefficient` 1/((gamma - 1) M^2 Re Pr) of the heat flux,
  * `PressureCoefficient` p / (rho U^2) = 1/(gamma M^2).
  *
+ * On several ranks each gives the blocks that it was given, and their part of the wall; counts, ranges and the report
+ * are those of all.
+ *
  * Where the target would need cells that grow faster than MaximumGrowth, c goes as far as they allow, and a warning
  * says which level or how many layers would reach it. An empty input gives empty outputs; a mesh without a wall is an
  * error.

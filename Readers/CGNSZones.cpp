@@ -15,7 +15,9 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <new>
+#include <set>
 
 namespace bsv
 {
@@ -121,6 +123,7 @@ private:
     const std::string base = this->Where;
 
     this->FirstBlock = static_cast<int>(this->Zones.blocks.size());
+    this->BlockOfName.clear();
     for (int zone = 0; zone < zones; ++zone)
     {
       this->Zone = zone + 1;
@@ -162,6 +165,7 @@ private:
     }
     this->Zones.blocks.push_back(std::move(block));
     this->Mesh.blocks.push_back(meshBlock(this->Zones.blocks.back()));
+    this->BlockOfName.emplace(name.data(), static_cast<int>(this->Places.size()));
     this->Places.push_back({ this->Base, this->Zone, this->Where });
   }
 
@@ -314,14 +318,12 @@ private:
   {
     // A donor may be given with its base: /base/zone.
     const std::string zone = name.substr(name.rfind('/') + 1);
-    for (int block = this->FirstBlock; block < static_cast<int>(this->Mesh.blocks.size()); ++block)
+    const auto found = this->BlockOfName.find(zone);
+    if (found == this->BlockOfName.end())
     {
-      if (this->Mesh.blocks[block].name == zone)
-      {
-        return block;
-      }
+      this->fail("there is no donor zone '" + name + "'");
     }
-    this->fail("there is no donor zone '" + name + "'");
+    return found->second;
   }
 
   void addBoundary(const DirectedRange& range, const std::string& name)
@@ -406,8 +408,7 @@ private:
       this->fail(error.what());
     }
     // The other zone declares the same contact.
-    const std::vector<Interface>& known = this->Zones.interfaces;
-    if (std::find(known.begin(), known.end(), contact) == known.end())
+    if (this->Known.insert(contact).second)
     {
       this->Zones.interfaces.push_back(contact);
       this->Contacts.push_back({ contact, this->FileName + this->Where });
@@ -618,6 +619,9 @@ private:
   };
   std::vector<Place> Places;
   std::vector<DeclaredContact> Contacts;
+  std::set<Interface> Known;
+  /// Blocks of the current base.
+  std::map<std::string, int> BlockOfName;
   /// Names and sizes of the zones.
   BlockMesh Mesh;
 };

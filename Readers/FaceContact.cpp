@@ -130,9 +130,9 @@ Interface orderedContact(const Interface& contact)
   return key(reversed) < key(contact) ? reversed : contact;
 }
 
-bool operator==(const Interface& a, const Interface& b)
+bool operator<(const Interface& a, const Interface& b)
 {
-  return key(a) == key(b);
+  return key(a) < key(b);
 }
 
 namespace

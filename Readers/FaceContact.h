@@ -32,7 +32,8 @@ Interface faceContact(const DirectedRange& a, const DirectedRange& b, bool swapp
 
 /// The same contact with its sides in ascending order, so that both declarations of one contact compare equal.
 Interface orderedContact(const Interface& contact);
-bool operator==(const Interface& a, const Interface& b);
+/// Any strict order, for std::set.
+bool operator<(const Interface& a, const Interface& b);
 
 /// A contact and where it is declared, for messages: "mesh.nmf, line 7".
 struct DeclaredContact

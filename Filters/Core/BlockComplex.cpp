@@ -59,6 +59,82 @@ bool before(const Vec3& a, const Vec3& b)
   return false;
 }
 
+/// The points in the classes that have a point here, of which some are on other ranks.
+class CopiedPoints
+{
+public:
+  /// Collective. `numbering` is that of the copies; `surface` is the same on all ranks.
+  CopiedPoints(const BlockMesh& mesh, const SurfaceNumbering& surface, const SurfaceNumbering& numbering,
+    UnionFind& copies, const Ranks& ranks)
+    : Mesh(mesh)
+    , Numbering(numbering)
+    , Remote(ranks.size())
+  {
+    std::vector<std::vector<Index>> questions(ranks.size());
+    if (ranks.size() > 1)
+    {
+      std::vector<bool> isHere(numbering.pointCount(), false);
+      this->forEachPoint(true, [&](int, Index point) { isHere[copies.find(point)] = true; });
+      this->forEachPoint(false, [&](int block, Index point) {
+        if (isHere[copies.find(point)])
+        {
+          this->Remote[mesh.blocks[block].rank].push_back(point);
+          questions[mesh.blocks[block].rank].push_back(surface.point(block, numbering.pointAt(block, point)));
+        }
+      });
+    }
+    this->Coordinates = ranks.ask(questions, [&](Index point) -> std::array<double, 3> {
+      const int block = surface.blockOfPoint(point);
+      const Vec3 x = mesh.blocks[block].points(surface.pointAt(block, point));
+      return { x[0], x[1], x[2] };
+    });
+  }
+
+  bool known(Index point) const
+  {
+    if (this->Remote.size() == 1)
+    {
+      return true;
+    }
+    const MeshBlock& block = this->Mesh.blocks[this->Numbering.blockOfPoint(point)];
+    return block.points.isHere() ||
+      std::binary_search(this->Remote[block.rank].begin(), this->Remote[block.rank].end(), point);
+  }
+  /// Of a known point.
+  Vec3 operator()(Index point) const
+  {
+    const int b = this->Numbering.blockOfPoint(point);
+    const MeshBlock& block = this->Mesh.blocks[b];
+    if (block.points.isHere())
+    {
+      return block.points(this->Numbering.pointAt(b, point));
+    }
+    const std::vector<Index>& points = this->Remote[block.rank];
+    const auto at = std::lower_bound(points.begin(), points.end(), point) - points.begin();
+    return Vec3(this->Coordinates[block.rank][at].data());
+  }
+
+private:
+  template <typename Visit>
+  void forEachPoint(bool here, const Visit& visit) const
+  {
+    for (int b = 0; b < this->Numbering.blockCount(); ++b)
+    {
+      for (Index point = this->Numbering.firstPoint(b);
+           point < this->Numbering.firstPoint(b + 1) && this->Mesh.blocks[b].points.isHere() == here; ++point)
+      {
+        visit(b, point);
+      }
+    }
+  }
+
+  const BlockMesh& Mesh;
+  const SurfaceNumbering& Numbering;
+  /// Per rank, ascending, and their coordinates.
+  std::vector<std::vector<Index>> Remote;
+  std::vector<std::vector<std::array<double, 3>>> Coordinates;
+};
+
 class Builder
 {
 public:
@@ -212,15 +288,14 @@ private:
     else
     {
       const QuadAt at = this->quadOf(use, 0, 0);
-      const Index quad = this->Surface.quad(at);
-      if (this->Links.boundary(quad))
+      if (this->Links.boundary(at))
       {
-        result.tag = this->Links.tag(quad);
+        result.tag = this->Links.tag(at);
       }
       else
       {
-        const QuadAt other = this->Surface.quadAt(this->Links.partner(quad), at.block);
-        result.orientation = this->Links.orientation(quad);
+        const QuadAt other = this->Surface.quadAt(this->Links.partner(at), at.block);
+        result.orientation = this->Links.orientation(at);
         result.uses.push_back({ this->pieceOf(other), other.face });
       }
     }
@@ -324,9 +399,8 @@ private:
         const int across = side ? last[1 - axis] : 0;
         for (int along = 0; along <= last[axis] && !edge.crease; ++along)
         {
-          const QuadAt at =
-            axis == 0 ? this->quadOf(use, along, across) : this->quadOf(use, across, along);
-          edge.crease = this->Creases(this->Surface.quad(at), axis, side);
+          edge.crease =
+            this->Creases(axis == 0 ? this->quadOf(use, along, across) : this->quadOf(use, across, along), axis, side);
         }
       }
     }
@@ -375,7 +449,7 @@ private:
       for (int s : { 0, ns / 2 })
       {
         const QuadAt at = this->quadOf(use, s, t);
-        visit(at, this->Surface.quadAt(this->Links.partner(this->Surface.quad(at)), at.block));
+        visit(at, this->Surface.quadAt(this->Links.partner(at), at.block));
       }
     }
   }
@@ -439,7 +513,7 @@ private:
       if (folded[n])
       {
         const QuadAt at = this->quadOf(this->Result.faces[n].uses[0], 0, 0);
-        const QuadAt other = this->Surface.quadAt(this->Links.partner(this->Surface.quad(at)));
+        const QuadAt other = this->Surface.quadAt(this->Links.partner(at));
         throw ErrorAt(n, blockLabel(this->Mesh, at.block) + " " + faceLabel(at.face) + " and " +
           blockLabel(this->Mesh, other.block) + " " + faceLabel(other.face) +
           " meet, but both blocks lie on the same side of the contact (near " +
@@ -515,39 +589,28 @@ private:
       return;
     }
 
-    UnionFind copies(this->Surface.pointCount());
+    // A point here has all its copies in blocks that share a vertex with one here.
+    const std::vector<char> near = this->blocksNear();
+    const SurfaceNumbering numbering(this->Mesh, &near);
+    const Index pointCount = numbering.pointCount();
+    UnionFind copies(pointCount);
     for (const ComplexFace* face : contacts)
     {
       const int a = this->Result.blocks[face->uses[0].block].parent;
       const int b = this->Result.blocks[face->uses[1].block].parent;
-      this->forEachSharedPoint(*face,
-        [&](const Ijk& p, const Ijk& q) { copies.unite(this->Surface.point(a, p), this->Surface.point(b, q)); });
+      if (near[a] && near[b])
+      {
+        this->forEachSharedPoint(*face,
+          [&](const Ijk& p, const Ijk& q) { copies.unite(numbering.point(a, p), numbering.point(b, q)); });
+      }
     }
-    const Index pointCount = this->Surface.pointCount();
-    const auto isHere = [this](Index point) { return this->Part.isHere(this->Surface.blockOfPoint(point)); };
-    // Whether any point of a class is here.
-    std::vector<bool> concerned(pointCount, this->Ranks.size() == 1);
-    for (Index point = 0; point < pointCount && this->Ranks.size() > 1; ++point)
-    {
-      const Index root = copies.find(point);
-      concerned[root] = concerned[root] || isHere(point);
-    }
-    const RemotePoints remote(*this, [&](Index point) { return concerned[copies.find(point)]; });
-    const auto coordinates = [&](Index point) {
-      const int b = this->Surface.blockOfPoint(point);
-      return this->Part.isHere(b) ? this->coordinates(b, point) : remote(b, point);
-    };
+    const CopiedPoints coordinates(this->Mesh, this->Surface, numbering, copies, this->Ranks);
     // Per class, at its representative, the copy that all get.
     std::vector<Index> chosen(pointCount, -1);
     for (Index point = 0; point < pointCount; ++point)
     {
-      const Index root = copies.find(point);
-      if (!concerned[root])
-      {
-        continue;
-      }
-      Index& best = chosen[root];
-      if (best < 0 || before(coordinates(point), coordinates(best)))
+      Index& best = chosen[copies.find(point)];
+      if (coordinates.known(point) && (best < 0 || before(coordinates(point), coordinates(best))))
       {
         best = point;
       }
@@ -556,17 +619,22 @@ private:
     for (Index point = 0; point < pointCount; ++point)
     {
       const Index best = chosen[copies.find(point)];
-      if (best == point || !isHere(point))
+      if (best == point)
       {
         continue;
       }
-      const int b = this->Surface.blockOfPoint(point);
-      const Ijk at = this->Surface.pointAt(b, point);
+      const int b = numbering.blockOfPoint(point);
+      const GridView& points = this->Mesh.blocks[b].points;
+      if (!points.isHere())
+      {
+        continue;
+      }
+      const Ijk at = numbering.pointAt(b, point);
       const Vec3 x = coordinates(best);
-      if (!bsv::sameBits(this->Mesh.blocks[b].points(at), x))
+      if (!bsv::sameBits(points(at), x))
       {
         welded[b] = welded[b] ? welded[b] : this->copyPoints(b);
-        const Ijk& n = this->Mesh.blocks[b].points.counts();
+        const Ijk& n = points.counts();
         std::copy(x.data(), x.data() + 3, welded[b] + 3 * (at[0] + n[0] * (at[1] + Index(n[1]) * at[2])));
       }
     }
@@ -582,53 +650,23 @@ private:
     }
   }
 
-  Vec3 coordinates(int b, Index point) const
+  /// Whether the points of a block of the mesh, or of one that shares a vertex with it, are here.
+  std::vector<char> blocksNear() const
   {
-    return this->Mesh.blocks[b].points(this->Surface.pointAt(b, point));
-  }
-
-  /// Surface points of the blocks on other ranks.
-  class RemotePoints
-  {
-  public:
-    /// Fetches those that are wanted. Collective.
-    template <typename Wanted>
-    RemotePoints(const Builder& builder, const Wanted& wanted)
-      : Owner(builder)
-      , Points(builder.Ranks.size())
+    std::vector<char> near(this->Surface.blockCount(), false);
+    for (const ComplexVertex& vertex : this->Result.vertices)
     {
-      for (int b = 0; b < builder.Surface.blockCount() && builder.Ranks.size() > 1; ++b)
+      const auto isHere = [this](const CornerUse& use) { return this->Result.blocks[use.block].points.isHere(); };
+      if (std::any_of(vertex.corners.begin(), vertex.corners.end(), isHere))
       {
-        if (builder.Part.isHere(b))
+        for (const CornerUse& use : vertex.corners)
         {
-          continue;
-        }
-        for (Index point = builder.Surface.firstPoint(b); point < builder.Surface.firstPoint(b + 1); ++point)
-        {
-          if (wanted(point))
-          {
-            this->Points[builder.Part.rankOf(b)].push_back(point);
-          }
+          near[this->Result.blocks[use.block].parent] = true;
         }
       }
-      this->X = builder.Ranks.ask(this->Points, [&](Index point) -> std::array<double, 3> {
-        const Vec3 x = builder.coordinates(builder.Surface.blockOfPoint(point), point);
-        return { x[0], x[1], x[2] };
-      });
     }
-    Vec3 operator()(int b, Index point) const
-    {
-      const int rank = this->Owner.Part.rankOf(b);
-      const std::vector<Index>& points = this->Points[rank];
-      return Vec3(this->X[rank][std::lower_bound(points.begin(), points.end(), point) - points.begin()].data());
-    }
-
-  private:
-    const Builder& Owner;
-    /// Per rank, ascending, and their coordinates.
-    std::vector<std::vector<Index>> Points;
-    std::vector<std::vector<std::array<double, 3>>> X;
-  };
+    return near;
+  }
 
   const MeshBlock& parentOf(const FaceUse& use) const
   {

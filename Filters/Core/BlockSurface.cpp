@@ -25,23 +25,24 @@ Index layerPoints(const Ijk& cells)
 
 } // namespace
 
-SurfaceNumbering::SurfaceNumbering(const BlockMesh& mesh)
+SurfaceNumbering::SurfaceNumbering(const BlockMesh& mesh, const std::vector<char>* numbered)
 {
   Index quads = 0;
   Index points = 0;
   for (const MeshBlock& block : mesh.blocks)
   {
-    const Ijk& counts = block.points.counts();
-    const Ijk cells{ counts[0] - 1, counts[1] - 1, counts[2] - 1 };
+    const Ijk& n = block.points.counts();
+    const Ijk cells{ n[0] - 1, n[1] - 1, n[2] - 1 };
     this->Cells.push_back(cells);
     this->QuadStart.push_back(quads);
     this->PointStart.push_back(points);
+    const bool counts = !numbered || (*numbered)[this->Cells.size() - 1];
     for (int face = 0; face < 6; ++face)
     {
       this->FaceStart.push_back(quads);
-      quads += Index(cells[faceAxis(face, 0)]) * cells[faceAxis(face, 1)];
+      quads += counts ? Index(cells[faceAxis(face, 0)]) * cells[faceAxis(face, 1)] : 0;
     }
-    points += 2 * layerPoints(cells) + (cells[2] - 1) * ringPoints(cells);
+    points += !counts ? 0 : 2 * layerPoints(cells) + (cells[2] - 1) * ringPoints(cells);
   }
   this->QuadStart.push_back(quads);
   this->PointStart.push_back(points);
@@ -163,17 +164,141 @@ QuadEdge SurfaceNumbering::across(const QuadEdge& edge) const
   return result;
 }
 
+Contacts::Contacts(const SurfaceNumbering& surface)
+  : Surface(&surface)
+  , Faces(6 * static_cast<std::size_t>(surface.blockCount()))
+{
+}
+
+void Contacts::set(const QuadAt& at, Index link)
+{
+  if (this->link(at) == link)
+  {
+    return;
+  }
+  Face& face = this->Faces[6 * std::size_t(at.block) + at.face];
+  if (face.each.empty())
+  {
+    const int ns = this->Surface->faceCells(at.block, at.face, 0);
+    const int nt = this->Surface->faceCells(at.block, at.face, 1);
+    std::vector<Index> each;
+    each.reserve(Index(ns) * nt);
+    for (int t = 0; t < nt; ++t)
+    {
+      for (int s = 0; s < ns; ++s)
+      {
+        each.push_back(this->link({ at.block, at.face, s, t }));
+      }
+    }
+    face.each = std::move(each);
+  }
+  face.each[at.s + this->width(at) * at.t] = link;
+}
+
+void Contacts::setWhole(int block, int face, Index first, Index stepS, Index stepT)
+{
+  Face& whole = this->Faces[6 * std::size_t(block) + face];
+  std::vector<Index>().swap(whole.each);
+  whole.first = first;
+  whole.stepS = stepS;
+  whole.stepT = stepT;
+}
+
+bool Contacts::undecided(int block, int face) const
+{
+  const Face& whole = this->Faces[6 * std::size_t(block) + face];
+  return whole.each.empty()
+    ? whole.first == Undecided
+    : std::all_of(whole.each.begin(), whole.each.end(), [](Index link) { return link == Undecided; });
+}
+
+std::array<Index, 2> Contacts::steps(int orientation, int blockB, int b) const
+{
+  // Along the axes of B, in numbers of quadrilaterals; the orientation code is in the lowest three bits of a link.
+  const Index alongS = Index(orientation & 2 ? -1 : 1) << 3;
+  const Index alongT = Index(orientation & 4 ? -1 : 1) * this->Surface->faceCells(blockB, b, 0) << 3;
+  return swapsAxes(orientation) ? std::array<Index, 2>{ alongT, alongS } : std::array<Index, 2>{ alongS, alongT };
+}
+
+void Contacts::setContact(const Interface& contact)
+{
+  const int ns = this->Surface->faceCells(contact.blockA, contact.faceA, 0);
+  const int nt = this->Surface->faceCells(contact.blockA, contact.faceA, 1);
+  const auto onB = mapFacePoint(contact.orientation, 0, 0, ns - 1, nt - 1);
+  const std::array<Index, 2> stepsA = this->steps(contact.orientation, contact.blockB, contact.faceB);
+  this->setWhole(contact.blockA, contact.faceA,
+    this->Surface->quad({ contact.blockB, contact.faceB, onB[0], onB[1] }) << 3 | contact.orientation, stepsA[0],
+    stepsA[1]);
+  const int inverse = inverseOrientation(contact.orientation);
+  const bool swap = swapsAxes(contact.orientation);
+  const auto onA = mapFacePoint(inverse, 0, 0, (swap ? nt : ns) - 1, (swap ? ns : nt) - 1);
+  const std::array<Index, 2> stepsB = this->steps(inverse, contact.blockA, contact.faceA);
+  this->setWhole(contact.blockB, contact.faceB,
+    this->Surface->quad({ contact.blockA, contact.faceA, onA[0], onA[1] }) << 3 | inverse, stepsB[0], stepsB[1]);
+}
+
+void Contacts::close()
+{
+  for (int block = 0; block < this->Surface->blockCount(); ++block)
+  {
+    for (int face = 0; face < 6; ++face)
+    {
+      Face& whole = this->Faces[6 * std::size_t(block) + face];
+      whole.first = whole.first == Undecided ? Untagged : whole.first;
+      std::replace(whole.each.begin(), whole.each.end(), Undecided, Untagged);
+      std::array<Index, 2> steps{ 0, 0 };
+      if (!whole.each.empty() && this->linear(block, face, steps))
+      {
+        this->setWhole(block, face, whole.each.front(), steps[0], steps[1]);
+      }
+    }
+  }
+}
+
+bool Contacts::linear(int block, int face, std::array<Index, 2>& steps) const
+{
+  const int ns = this->Surface->faceCells(block, face, 0);
+  const int nt = this->Surface->faceCells(block, face, 1);
+  const std::vector<Index>& each = this->Faces[6 * std::size_t(block) + face].each;
+  if (each.front() >= 0)
+  {
+    // All of one face, which the last in each direction shows.
+    const int orientation = static_cast<int>(each.front() & 7);
+    const QuadAt first = this->Surface->quadAt(each.front() >> 3, block);
+    const auto start = mapFacePoint(orientation, 0, 0, ns - 1, nt - 1);
+    const auto end = mapFacePoint(orientation, ns - 1, nt - 1, ns - 1, nt - 1);
+    const int lastS = first.s + end[0] - start[0];
+    const int lastT = first.t + end[1] - start[1];
+    if (lastS < 0 || lastS >= this->Surface->faceCells(first.block, first.face, 0) || lastT < 0 ||
+      lastT >= this->Surface->faceCells(first.block, first.face, 1))
+    {
+      return false;
+    }
+    steps = this->steps(orientation, first.block, first.face);
+  }
+  for (int t = 0; t < nt; ++t)
+  {
+    for (int s = 0; s < ns; ++s)
+    {
+      if (each[s + Index(ns) * t] != each.front() + s * steps[0] + t * steps[1])
+      {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 QuadEdge throughContact(const SurfaceNumbering& surface, const Contacts& contacts, const QuadEdge& edge)
 {
-  const Index quad = surface.quad(edge.quad);
-  const int orientation = contacts.orientation(quad);
+  const int orientation = contacts.orientation(edge.quad);
   const auto corner = [&](int end) {
     return edge.axis == 0 ? mapFacePoint(orientation, end, edge.side, 1, 1)
                           : mapFacePoint(orientation, edge.side, end, 1, 1);
   };
   const auto first = corner(0);
   QuadEdge result;
-  result.quad = surface.quadAt(contacts.partner(quad), edge.quad.block);
+  result.quad = surface.quadAt(contacts.partner(edge.quad), edge.quad.block);
   result.axis = first[0] != corner(1)[0] ? 0 : 1;
   result.side = first[1 - result.axis];
   return result;

@@ -37,7 +37,8 @@ struct QuadEdge
 class SurfaceNumbering
 {
 public:
-  explicit SurfaceNumbering(const BlockMesh& mesh);
+  /// With `numbered`, only blocks for which it is true get numbers.
+  explicit SurfaceNumbering(const BlockMesh& mesh, const std::vector<char>* numbered = nullptr);
 
   Index quadCount() const { return this->QuadStart.back(); }
   Index pointCount() const { return this->PointStart.back(); }
@@ -76,42 +77,77 @@ private:
 };
 
 /// What every surface quadrilateral meets: another one, the outer boundary, or nothing known yet.
+///
+/// Most faces are of one piece: all undecided, one boundary, or a contact with one face in one way. They take no memory per
+/// quadrilateral.
 class Contacts
 {
 public:
-  explicit Contacts(const SurfaceNumbering& surface)
-    : Links(static_cast<std::size_t>(surface.quadCount()), Undecided)
-    , SameBits(6 * static_cast<std::size_t>(surface.blockCount()), false)
-  {
-  }
+  /// `surface`, which must outlive it, numbers all blocks.
+  explicit Contacts(const SurfaceNumbering& surface);
 
-  bool undecided(Index quad) const { return this->Links[quad] == Undecided; }
-  bool boundary(Index quad) const { return this->Links[quad] < 0; }
-  Index partner(Index quad) const { return this->Links[quad] >> 3; }
-  int orientation(Index quad) const { return static_cast<int>(this->Links[quad] & 7); }
+  bool undecided(const QuadAt& at) const { return this->link(at) == Undecided; }
+  bool boundary(const QuadAt& at) const { return this->link(at) < 0; }
+  /// Number of the quadrilateral that it meets.
+  Index partner(const QuadAt& at) const { return this->link(at) >> 3; }
+  int orientation(const QuadAt& at) const { return static_cast<int>(this->link(at) & 7); }
   /// Index of the boundary's name, or -1.
-  int tag(Index quad) const { return static_cast<int>(Untagged - this->Links[quad]) - 1; }
+  int tag(const QuadAt& at) const { return static_cast<int>(Untagged - this->link(at)) - 1; }
   /// Equal for quadrilaterals of the same boundary.
-  Index link(Index quad) const { return this->Links[quad]; }
-
-  void setBoundary(Index quad, int tag) { this->Links[quad] = Untagged - (tag + 1); }
-  void setContact(Index a, Index b, int orientation)
+  Index link(const QuadAt& at) const
   {
-    this->Links[a] = b << 3 | orientation;
-    this->Links[b] = a << 3 | inverseOrientation(orientation);
+    const Face& face = this->Faces[6 * std::size_t(at.block) + at.face];
+    return face.each.empty() ? face.first + at.s * face.stepS + at.t * face.stepT
+                             : face.each[at.s + this->width(at) * at.t];
   }
-  void reset(Index quad) { this->Links[quad] = Undecided; }
+
+  void setBoundary(const QuadAt& at, int tag) { this->set(at, Untagged - (tag + 1)); }
+  void setContact(const QuadAt& a, const QuadAt& b, int orientation)
+  {
+    this->set(a, this->Surface->quad(b) << 3 | orientation);
+    this->set(b, this->Surface->quad(a) << 3 | inverseOrientation(orientation));
+  }
+
+  /// @name Whole faces
+  ///@{
+  /// Whether it is known to be of one piece; after close() if it is.
+  bool onePiece(int block, int face) const { return this->Faces[6 * std::size_t(block) + face].each.empty(); }
+  bool undecided(int block, int face) const;
+  void setBoundary(int block, int face, int tag) { this->setWhole(block, face, Untagged - (tag + 1), 0, 0); }
+  /// A contact that covers both its faces, which must be two.
+  void setContact(const Interface& contact);
+  /// Makes all that is undecided a boundary without a name.
+  void close();
+  ///@}
 
   /// Whether all points of a face are known to be equal, bit for bit, to those of the face that it meets.
-  bool sameBits(int block, int face) const { return this->SameBits[6 * std::size_t(block) + face]; }
-  void setSameBits(int block, int face) { this->SameBits[6 * std::size_t(block) + face] = true; }
+  bool sameBits(int block, int face) const { return this->Faces[6 * std::size_t(block) + face].sameBits; }
+  void setSameBits(int block, int face) { this->Faces[6 * std::size_t(block) + face].sameBits = true; }
 
 private:
   static constexpr Index Undecided = std::numeric_limits<Index>::min();
   static constexpr Index Untagged = -1;
-  /// Partner and orientation code packed if >= 0.
-  std::vector<Index> Links;
-  std::vector<bool> SameBits;
+
+  /// Links, which are partner and orientation code packed if >= 0: one for each quadrilateral, or, if that is empty, linear
+  /// in s and t.
+  struct Face
+  {
+    std::vector<Index> each;
+    Index first = Undecided;
+    Index stepS = 0;
+    Index stepT = 0;
+    bool sameBits = false;
+  };
+
+  Index width(const QuadAt& at) const { return this->Surface->faceCells(at.block, at.face, 0); }
+  void set(const QuadAt& at, Index link);
+  void setWhole(int block, int face, Index first, Index stepS, Index stepT);
+  /// Steps of the links of a face that meets face `b` of block `blockB`.
+  std::array<Index, 2> steps(int orientation, int blockB, int b) const;
+  bool linear(int block, int face, std::array<Index, 2>& steps) const;
+
+  const SurfaceNumbering* Surface;
+  std::vector<Face> Faces;
 };
 
 /// Same values and same signs of zeros.

@@ -573,19 +573,22 @@ public:
         }
       }
     });
-    for (const std::vector<Message>& messages : this->Group.exchange(toRank))
-    {
-      for (const Message& message : messages)
+    const std::vector<std::vector<Message>> received = this->Group.exchange(toRank);
+    this->Group.together([&] {
+      for (const std::vector<Message>& messages : received)
       {
-        for (const PointAt& copy : this->copies(message.point))
+        for (const Message& message : messages)
         {
-          if (this->isHere(copy.block))
+          for (const PointAt& copy : this->copies(message.point))
           {
-            this->raise(copy, { message.weight, vec3(message.offset) });
+            if (this->isHere(copy.block))
+            {
+              this->raise(copy, { message.weight, vec3(message.offset) });
+            }
           }
         }
       }
-    }
+    });
   }
 
   /// Moves the points. The offsets become the moved points, which takes no more memory.

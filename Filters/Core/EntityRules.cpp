@@ -2,6 +2,7 @@
 #include "EntityRules.h"
 
 #include "CreaseColumns.h"
+#include "FacePoints.h"
 #include "OwnedValues.h"
 
 #include <Eigen/Eigenvalues>
@@ -15,25 +16,6 @@ namespace bsv
 {
 namespace
 {
-
-/// Calls body(point) for every mesh point of a face.
-template <typename Body>
-void forAllPoints(const BlockComplex& complex, int face, const Body& body)
-{
-  const FaceUse& use = complex.faces[face].uses.front();
-  const ComplexBlock& block = complex.blocks[use.block];
-  const Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
-  const Index start = block.points.offset(facePoint(cells, use.face, 0, 0));
-  const Index alongS = block.points.offset(facePoint(cells, use.face, 1, 0)) - start;
-  const Index alongT = block.points.offset(facePoint(cells, use.face, 0, 1)) - start;
-  for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
-  {
-    for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
-    {
-      body(block.points.atOffset(start + s * alongS + t * alongT));
-    }
-  }
-}
 
 struct Plane
 {
@@ -86,7 +68,7 @@ std::vector<Plane> fitPlanes(
       ranks, parts.size(), [&](std::size_t i) { return ownerOfFace(complex, parts[i].face); },
       [&](std::size_t i) {
         auto value = start;
-        forAllPoints(complex, parts[i].face, [&](const Vec3& x) { add(value, parts[i].side, x); });
+        forFacePoints(complex, complex.faces[parts[i].face].uses.front(), [&](const Vec3& x) { add(value, parts[i].side, x); });
         return value;
       });
     for (std::size_t i = 0; i < parts.size(); ++i)
@@ -102,14 +84,15 @@ std::vector<Plane> fitPlanes(
   Bounds nothing;
   nothing.low.fill(std::numeric_limits<double>::infinity());
   nothing.high.fill(-std::numeric_limits<double>::infinity());
-  const auto extend = [](Bounds& bounds, const Numbers3& low, const Numbers3& high) {
-    bounds = { numbers(vector(bounds.low).cwiseMin(vector(low))), numbers(vector(bounds.high).cwiseMax(vector(high))) };
+  const auto extend = [](Bounds& bounds, const auto& low, const auto& high) {
+    Eigen::Map<Vec3> least(bounds.low.data()), most(bounds.high.data());
+    least = least.cwiseMin(low);
+    most = most.cwiseMax(high);
   };
   std::vector<Bounds> bounds(sides.size(), nothing);
   reduce(
-    nothing, [&](Bounds& value, int, const Vec3& x) { extend(value, numbers(x), numbers(x)); },
-    [&](int side, const Bounds& value) { extend(bounds[side], value.low, value.high); });
-  const auto middle = [&](int side) { return Vec3(0.5 * (vector(bounds[side].low) + vector(bounds[side].high))); };
+    nothing, [&](Bounds& part, int, const Vec3& x) { extend(part, x, x); },
+    [&](int side, const Bounds& part) { extend(bounds[side], vector(part.low), vector(part.high)); });
 
   struct Sum
   {
@@ -117,17 +100,22 @@ std::vector<Plane> fitPlanes(
     double count = 0.0;
   };
   std::vector<Sum> sums(sides.size());
+  std::vector<Vec3> middles;
+  for (const Bounds& box : bounds)
+  {
+    middles.push_back(0.5 * (vector(box.low) + vector(box.high)));
+  }
+  const auto enlargeSum = [](Sum& sum, const Vec3& offset, double count) {
+    Eigen::Map<Vec3>(sum.offset.data()) += offset;
+    sum.count += count;
+  };
   reduce(
-    Sum{}, [&](Sum& sum, int side, const Vec3& x) {
-      sum = { numbers(vector(sum.offset) + (x - middle(side))), sum.count + 1.0 };
-    },
-    [&](int side, const Sum& part) {
-      sums[side] = { numbers(vector(sums[side].offset) + vector(part.offset)), sums[side].count + part.count };
-    });
+    Sum{}, [&](Sum& part, int side, const Vec3& x) { enlargeSum(part, x - middles[side], 1.0); },
+    [&](int side, const Sum& part) { enlargeSum(sums[side], vector(part.offset), part.count); });
   for (std::size_t side = 0; side < sides.size(); ++side)
   {
     planes[side].diagonal = (vector(bounds[side].high) - vector(bounds[side].low)).norm();
-    planes[side].origin = middle(static_cast<int>(side)) + vector(sums[side].offset) / sums[side].count;
+    planes[side].origin = middles[side] + vector(sums[side].offset) / sums[side].count;
   }
 
   using Numbers9 = std::array<double, 9>;
@@ -165,7 +153,7 @@ std::vector<bool> supportMesh(const BlockComplex& complex, const std::vector<Pla
       {
         if (complex.faces[f].boundary() && ownerOfFace(complex, f) == ranks.rank())
         {
-          forAllPoints(complex, f, [&](const Vec3& x) {
+          forFacePoints(complex, complex.faces[f].uses.front(), [&](const Vec3& x) {
             const double height = planes[i].normal.dot(x - planes[i].origin);
             heights[i] = { std::min(heights[i][0], height), std::max(heights[i][1], height) };
           });

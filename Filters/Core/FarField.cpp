@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FarField.h"
 
+#include "FacePoints.h"
 #include "OrderFreeSum.h"
 #include "OwnedValues.h"
 
@@ -184,20 +185,6 @@ private:
 
   int ownerOf(int face) const { return this->Complex.blocks[this->Complex.faces[face].uses.front().block].rank; }
 
-  template <typename Body>
-  void forPoints(const FaceUse& use, const Body& body) const
-  {
-    const ComplexBlock& owner = this->Complex.blocks[use.block];
-    const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
-    for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
-    {
-      for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
-      {
-        body(owner.points(facePoint(cells, use.face, s, t)));
-      }
-    }
-  }
-
   std::array<Vec3, 4> corners(const FaceUse& use) const
   {
     std::array<Vec3, 4> x;
@@ -233,7 +220,7 @@ private:
   bool pointsLieIn(const FaceUse& use, const Plane& plane) const
   {
     bool inside = true;
-    this->forPoints(use, [&](const Vec3& x) { inside = inside && std::abs(plane.height(x)) <= this->Tolerance; });
+    forFacePoints(this->Complex, use, [&](const Vec3& x) { inside = inside && std::abs(plane.height(x)) <= this->Tolerance; });
     return inside;
   }
 
@@ -379,7 +366,7 @@ private:
         {
           if (this->Complex.blocks[body.block].rank == this->Processes.rank())
           {
-            this->forPoints(body, [&](const Vec3& x) {
+            forFacePoints(this->Complex, body, [&](const Vec3& x) {
               touches[i] = touches[i] || !(cuts[i].plane.height(x) < -this->Tolerance);
             });
           }

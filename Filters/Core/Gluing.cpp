@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace bsv
@@ -119,15 +120,11 @@ public:
       this->takeWholeFaces();
     }
     this->report(0.4);
-    const std::vector<Index> open = this->undecided();
-    if (this->Options.findInterfaces && !open.empty())
+    if (this->Options.findInterfaces)
     {
-      this->search(open);
+      this->search();
     }
-    for (Index quad : this->undecided(open))
-    {
-      this->Result.setBoundary(quad, -1);
-    }
+    this->Result.close();
     this->report(1.0);
     return std::move(this->Result);
   }
@@ -140,19 +137,21 @@ private:
     this->Ranks.together([&] { this->Run.report(fraction); });
   }
 
-  /// Finds what the quadrilaterals meet; those that meet nothing stay undecided.
-  void search(const std::vector<Index>& open)
+  /// Finds what the undecided quadrilaterals meet; those that meet nothing stay undecided.
+  void search()
   {
-    std::vector<Index> nearby;
-    if (!this->alone())
+    const std::vector<Index> known = this->alone()
+      ? this->undecided()
+      : fetchNearQuads(this->Part, this->Surface, this->Result, this->Options.matchTolerance, this->Run);
+    if (!this->Ranks.any(!known.empty()))
     {
-      nearby = fetchNearQuads(this->Part, this->Surface, open, this->Options.matchTolerance, this->Run);
+      return;
     }
-    const std::vector<Index>& known = this->alone() ? open : nearby;
+    const Contacts before = this->Result;
     std::vector<Index> single;
     const auto pair = [&] {
       this->Ranks.together([&] { this->pairQuads(known); });
-      shareContacts(this->Result, known, this->Surface, this->Part, this->Ranks);
+      shareContacts(this->Result, before, known, this->Surface, this->Part, this->Ranks);
       single = this->undecided(known);
     };
     this->mergeEqualPoints(known);
@@ -162,10 +161,7 @@ private:
     this->Ranks.together([&] { merged = this->mergeNearPoints(known, single); });
     if (this->Ranks.any(merged))
     {
-      for (Index quad : open)
-      {
-        this->Result.reset(quad);
-      }
+      this->Result = before;
       pair();
     }
     this->report(0.8);
@@ -179,8 +175,8 @@ private:
 
   Vec3 pointOf(Index point) const
   {
-    const int block = this->Surface.blockOfPoint(point);
-    return this->Mesh.blocks[block].points(this->Surface.pointAt(block, point));
+    const int block = this->Points->blockOfPoint(point);
+    return this->Mesh.blocks[block].points(this->Points->pointAt(block, point));
   }
 
   Vec3 corner(const QuadAt& at, int cs, int ct) const
@@ -380,21 +376,34 @@ private:
   /// The faces of a contact that covers both are known to be equal, if they are.
   void noteSameBits(const Interface& contact, const Comparison& compared)
   {
-    const auto whole = [&](int block, int face, const FaceRange& range) {
-      return range.lo == std::array<int, 2>{ 0, 0 } && range.hi[0] == this->Surface.faceCells(block, face, 0) &&
-        range.hi[1] == this->Surface.faceCells(block, face, 1);
-    };
-    if (compared.sameBits && whole(contact.blockA, contact.faceA, contact.rangeA) &&
-      whole(contact.blockB, contact.faceB, contact.rangeB()))
+    if (compared.sameBits && this->whole(contact))
     {
       this->Result.setSameBits(contact.blockA, contact.faceA);
       this->Result.setSameBits(contact.blockB, contact.faceB);
     }
   }
 
+  bool whole(int block, int face, const FaceRange& range) const
+  {
+    return range.lo == std::array<int, 2>{ 0, 0 } && range.hi[0] == this->Surface.faceCells(block, face, 0) &&
+      range.hi[1] == this->Surface.faceCells(block, face, 1);
+  }
+  bool whole(const Interface& contact) const
+  {
+    return this->whole(contact.blockA, contact.faceA, contact.rangeA) &&
+      this->whole(contact.blockB, contact.faceB, contact.rangeB());
+  }
+
   /// Enters the contact of all quadrilaterals of an interface.
   void take(const Interface& contact, const std::string& what)
   {
+    const bool folded = contact.blockA == contact.blockB && contact.faceA == contact.faceB;
+    if (this->whole(contact) && !folded && this->Result.undecided(contact.blockA, contact.faceA) &&
+      this->Result.undecided(contact.blockB, contact.faceB))
+    {
+      this->Result.setContact(contact);
+      return;
+    }
     const FaceRange& a = contact.rangeA;
     const int ns = a.hi[0] - a.lo[0];
     const int nt = a.hi[1] - a.lo[1];
@@ -404,14 +413,13 @@ private:
       {
         // The quadrilateral (s, t) is the point (s, t) of a grid that has one point less per axis.
         const auto onB = mapFacePoint(contact.orientation, s, t, ns - 1, nt - 1);
-        const Index quadA = this->Surface.quad({ contact.blockA, contact.faceA, a.lo[0] + s, a.lo[1] + t });
-        const Index quadB = this->Surface.quad(
-          { contact.blockB, contact.faceB, contact.originB[0] + onB[0], contact.originB[1] + onB[1] });
-        if (quadA == quadB)
+        const QuadAt quadA{ contact.blockA, contact.faceA, a.lo[0] + s, a.lo[1] + t };
+        const QuadAt quadB{ contact.blockB, contact.faceB, contact.originB[0] + onB[0], contact.originB[1] + onB[1] };
+        if (folded && quadA.s == quadB.s && quadA.t == quadB.t)
         {
           throw Error(what + ": " + this->where(quadA) + " meets itself");
         }
-        for (Index quad : { quadA, quadB })
+        for (const QuadAt& quad : { quadA, quadB })
         {
           if (!this->Result.undecided(quad))
           {
@@ -436,7 +444,7 @@ private:
     FirstOccurrence first(faceCount);
     for (Index face = 0; face < faceCount; ++face)
     {
-      if (!this->undecidedFace(face))
+      if (!this->Result.undecided(static_cast<int>(face / 6), static_cast<int>(face % 6)))
       {
         continue;
       }
@@ -483,22 +491,6 @@ private:
         this->noteSameBits(candidates[n], compared[n]);
       }
     }
-  }
-
-  bool undecidedFace(Index face) const
-  {
-    const int block = static_cast<int>(face / 6);
-    const int side = static_cast<int>(face % 6);
-    const Index start = this->Surface.quad({ block, side, 0, 0 });
-    const Index count = Index(this->Surface.faceCells(block, side, 0)) * this->Surface.faceCells(block, side, 1);
-    for (Index quad = start; quad < start + count; ++quad)
-    {
-      if (!this->Result.undecided(quad))
-      {
-        return false;
-      }
-    }
-    return true;
   }
 
   /// Every rank gets the corners of all blocks.
@@ -576,11 +568,16 @@ private:
       throw Error(what + ": there is no boundary name " + std::to_string(patch.tag) + ", " + std::to_string(names) +
         " are given");
     }
+    if (this->whole(patch.block, patch.face, patch.range) && this->Result.undecided(patch.block, patch.face))
+    {
+      this->Result.setBoundary(patch.block, patch.face, patch.tag);
+      return;
+    }
     for (int t = patch.range.lo[1]; t < patch.range.hi[1]; ++t)
     {
       for (int s = patch.range.lo[0]; s < patch.range.hi[0]; ++s)
       {
-        const Index quad = this->Surface.quad({ patch.block, patch.face, s, t });
+        const QuadAt quad{ patch.block, patch.face, s, t };
         if (!this->Result.undecided(quad))
         {
           if (!this->Result.boundary(quad))
@@ -601,11 +598,11 @@ private:
   std::vector<Index> undecided() const
   {
     std::vector<Index> quads;
-    for (Index quad = 0; quad < this->Surface.quadCount(); ++quad)
+    for (int block = 0; block < this->Surface.blockCount(); ++block)
     {
-      if (this->Result.undecided(quad))
+      for (int face = 0; face < 6; ++face)
       {
-        quads.push_back(quad);
+        appendUndecided(this->Surface, this->Result, block, face, nullptr, quads);
       }
     }
     return quads;
@@ -615,9 +612,11 @@ private:
   std::vector<Index> undecided(const std::vector<Index>& quads) const
   {
     std::vector<Index> result;
+    QuadAt at;
     for (Index quad : quads)
     {
-      if (this->Result.undecided(quad))
+      at = this->Surface.quadAt(quad, at.block);
+      if (this->Result.undecided(at))
       {
         result.push_back(quad);
       }
@@ -629,35 +628,44 @@ private:
   template <typename Visit>
   void forEachPoint(const std::vector<Index>& quads, const Visit& visit) const
   {
-    std::vector<bool> used(this->Surface.pointCount());
-    int hint = 0;
-    for (Index quad : quads)
+    std::vector<bool> used;
+    for (auto next = quads.begin(); next != quads.end();)
     {
-      const QuadAt at = this->Surface.quadAt(quad, hint);
-      hint = at.block;
-      for (Index point : this->Surface.corners(at))
+      QuadAt at = this->Surface.quadAt(*next);
+      const int block = at.block;
+      const Index first = this->Points->firstPoint(block);
+      const Index count = this->Points->firstPoint(block + 1) - first;
+      used.assign(count, false);
+      for (; next != quads.end() && *next < this->Surface.firstQuad(block + 1); ++next)
       {
-        used[point] = true;
-      }
-    }
-    int block = 0;
-    for (Index point = 0; point < this->Surface.pointCount(); ++point)
-    {
-      if (used[point])
-      {
-        while (point >= this->Surface.firstPoint(block + 1))
+        at = this->Surface.quadAt(*next, block);
+        for (Index point : this->Points->corners(at))
         {
-          ++block;
+          used[point - first] = true;
         }
-        visit(block, this->Surface.pointAt(block, point), point);
+      }
+      for (Index point = 0; point < count; ++point)
+      {
+        if (used[point])
+        {
+          visit(block, this->Points->pointAt(block, first + point), first + point);
+        }
       }
     }
   }
 
   void mergeEqualPoints(const std::vector<Index>& quads)
   {
-    this->Class.assign(this->Surface.pointCount(), -1);
-    FirstOccurrence first(this->Surface.pointCount());
+    std::vector<char> blocks(this->Surface.blockCount(), false);
+    QuadAt at;
+    for (Index quad : quads)
+    {
+      at = this->Surface.quadAt(quad, at.block);
+      blocks[at.block] = true;
+    }
+    this->Points.emplace(this->Mesh, &blocks);
+    this->Class.assign(this->Points->pointCount(), -1);
+    FirstOccurrence first(std::min(this->Points->pointCount(), 4 * static_cast<Index>(quads.size())));
     this->forEachPoint(quads, [&](int block, const Ijk& p, Index point) {
       const Vec3 x = this->Mesh.blocks[block].points(p);
       this->Class[point] =
@@ -667,7 +675,7 @@ private:
 
   Key key(const QuadAt& at) const
   {
-    Key classes = this->Surface.corners(at);
+    Key classes = this->Points->corners(at);
     for (Index& c : classes)
     {
       c = this->Class[c];
@@ -691,9 +699,10 @@ private:
       {
         if (!this->Options.allowDegenerate)
         {
-          throw ErrorAt(quad, this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
+          throw ErrorAt(
+            quad, this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
         }
-        this->Result.setBoundary(quad, -1);
+        this->Result.setBoundary(at, -1);
         continue;
       }
       std::uint64_t hash = 0;
@@ -701,29 +710,30 @@ private:
       {
         hash = mix(hash, static_cast<std::uint64_t>(c));
       }
-      const Index partner = first.insert(hash, quad, [&](Index other) {
+      const Index earlier = first.insert(hash, quad, [&](Index other) {
         Key others = this->key(this->Surface.quadAt(other, at.block));
         std::sort(others.begin(), others.end());
         return others == sorted;
       });
-      if (partner == quad)
+      if (earlier == quad)
       {
         continue;
       }
+      const QuadAt partner = this->Surface.quadAt(earlier, at.block);
       if (!this->Result.undecided(partner))
       {
         throw ErrorAt(quad,
           "ambiguous gluing: " + this->where(partner) + ", " + this->where(this->Result.partner(partner)) + " and " +
             this->where(at) + " are at the same place near " + text(this->center(at)));
       }
-      this->Result.setContact(partner, quad, this->orientation(partner, quad, classes));
+      this->Result.setContact(partner, at, this->orientation(partner, quad, classes));
     }
   }
 
   /// Orientation code from quadrilateral `a` to `quadB` with the classes `b`, which are a's in another order.
-  int orientation(Index a, Index quadB, const Key& b) const
+  int orientation(const QuadAt& a, Index quadB, const Key& b) const
   {
-    const Key classes = this->key(this->Surface.quadAt(a));
+    const Key classes = this->key(a);
     for (int code = 0; code < 8; ++code)
     {
       bool fits = true;
@@ -760,7 +770,7 @@ private:
 
     // The tolerance of a class is that of its most finely spaced member, wherever that is.
     std::vector<double> tolerance(count, std::numeric_limits<double>::max());
-    std::vector<bool> wanted(this->Surface.pointCount());
+    std::vector<bool> wanted(this->Points->pointCount());
     for (Index point : points)
     {
       wanted[point] = true;
@@ -807,10 +817,10 @@ private:
     {
       if (crowded[n])
       {
-        throw ErrorAt(points[n],
+        throw ErrorAt(this->place(points[n]),
           "ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) +
           " points within " + text(tolerance[n]) + " of a point of " +
-          blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])));
+          blockLabel(this->Mesh, this->Points->blockOfPoint(points[n])));
       }
     }
 
@@ -838,6 +848,13 @@ private:
     return any;
   }
 
+  /// Number of a point that is the same on all ranks.
+  Index place(Index point) const
+  {
+    const int block = this->Points->blockOfPoint(point);
+    return this->Surface.point(block, this->Points->pointAt(block, point));
+  }
+
   /// All members of a class must be near each other: a chain of near points is not one point.
   void checkWidths(const std::vector<Index>& points, const std::vector<Vec3>& x, const std::vector<double>& tolerance,
     UnionFind& merged) const
@@ -856,10 +873,10 @@ private:
       const Index root = merged.find(n);
       if (root != n && extent[root].diagonal().norm() > smallest[root])
       {
-        throw ErrorAt(points[n],
+        throw ErrorAt(this->place(points[n]),
           "ambiguous gluing near " + text(x[n]) + ": points of " +
-          blockLabel(this->Mesh, this->Surface.blockOfPoint(points[root])) + " and " +
-          blockLabel(this->Mesh, this->Surface.blockOfPoint(points[n])) + " form a chain of width " +
+          blockLabel(this->Mesh, this->Points->blockOfPoint(points[root])) + " and " +
+          blockLabel(this->Mesh, this->Points->blockOfPoint(points[n])) + " form a chain of width " +
           text(extent[root].diagonal().norm()) + ", allowed is " + text(smallest[root]));
       }
     }
@@ -1046,7 +1063,9 @@ private:
   Contacts Result;
   /// Per block the coordinates of its corners, if there are other ranks.
   std::vector<std::array<double, 24>> Corners;
-  /// Per surface point the point that stands for its class, or -1 where nothing is searched.
+  /// The points of the blocks where something is searched.
+  std::optional<SurfaceNumbering> Points;
+  /// Per such point the one that stands for its class, or -1 where nothing is searched.
   std::vector<Index> Class;
 };
 

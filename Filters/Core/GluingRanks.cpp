@@ -15,33 +15,70 @@ namespace bsv
 namespace
 {
 
-/// The undecided part of a face.
+/// A face with undecided quadrilaterals, and the points around them.
 struct OpenFace
 {
   int block;
   int face;
-  /// Its first and one beyond its last quadrilateral in `open`.
-  Index begin;
-  Index end;
-  /// The points around it.
   FaceRange range;
 };
 
-std::vector<OpenFace> openFaces(const SurfaceNumbering& surface, const std::vector<Index>& open)
+/// Makes the range hold one more quadrilateral; it is empty if it has no height.
+void extend(FaceRange& range, const QuadAt& at)
+{
+  if (range.lo[1] == range.hi[1])
+  {
+    range = { { at.s, at.t }, { at.s, at.t } };
+  }
+  range.lo = { std::min(range.lo[0], at.s), std::min(range.lo[1], at.t) };
+  range.hi = { std::max(range.hi[0], at.s + 1), std::max(range.hi[1], at.t + 1) };
+}
+
+/// Calls visit(quadrilateral) for the undecided ones with points in a range.
+template <typename Visit>
+void forEachUndecided(const Contacts& contacts, int block, int face, const FaceRange& range, const Visit& visit)
+{
+  QuadAt at{ block, face, 0, 0 };
+  for (at.t = range.lo[1]; at.t < range.hi[1]; ++at.t)
+  {
+    for (at.s = range.lo[0]; at.s < range.hi[0]; ++at.s)
+    {
+      if (contacts.undecided(at))
+      {
+        visit(at);
+      }
+    }
+  }
+}
+
+FaceRange wholeFace(const SurfaceNumbering& surface, int block, int face)
+{
+  return { { 0, 0 }, { surface.faceCells(block, face, 0), surface.faceCells(block, face, 1) } };
+}
+
+std::vector<OpenFace> openFaces(const SurfaceNumbering& surface, const Contacts& contacts)
 {
   std::vector<OpenFace> faces;
-  QuadAt at;
-  for (Index n = 0; n < static_cast<Index>(open.size()); ++n)
+  for (int block = 0; block < surface.blockCount(); ++block)
   {
-    at = surface.quadAt(open[n], at.block);
-    if (faces.empty() || faces.back().block != at.block || faces.back().face != at.face)
+    for (int face = 0; face < 6; ++face)
     {
-      faces.push_back({ at.block, at.face, n, n, { { at.s, at.t }, { at.s + 1, at.t + 1 } } });
+      FaceRange range = wholeFace(surface, block, face);
+      if (!contacts.onePiece(block, face))
+      {
+        FaceRange found;
+        forEachUndecided(contacts, block, face, range, [&](const QuadAt& at) { extend(found, at); });
+        range = found;
+      }
+      else if (!contacts.undecided(block, face))
+      {
+        continue;
+      }
+      if (range.lo[1] < range.hi[1])
+      {
+        faces.push_back({ block, face, range });
+      }
     }
-    OpenFace& face = faces.back();
-    face.end = n + 1;
-    face.range.lo[0] = std::min(face.range.lo[0], at.s);
-    face.range.hi = { std::max(face.range.hi[0], at.s + 1), at.t + 1 };
   }
   return faces;
 }
@@ -98,13 +135,13 @@ std::vector<Patch> patches(const Contacts& contacts, const std::vector<Index>& q
   for (Index quad : quads)
   {
     at = surface.quadAt(quad, at.block);
-    const bool boundary = contacts.boundary(quad);
-    if (contacts.undecided(quad) || !mesh.isHere(at.block) || (!boundary && contacts.partner(quad) < quad))
+    const bool boundary = contacts.boundary(at);
+    if (contacts.undecided(at) || !mesh.isHere(at.block) || (!boundary && contacts.partner(at) < quad))
     {
       continue;
     }
-    const Index partner = boundary ? -1 : contacts.partner(quad);
-    const int orientation = boundary ? -1 : contacts.orientation(quad);
+    const Index partner = boundary ? -1 : contacts.partner(at);
+    const int orientation = boundary ? -1 : contacts.orientation(at);
     if (rows.empty() || rows.back().orientation != orientation || !rows.back().row.append(quad, partner))
     {
       Patch patch;
@@ -152,11 +189,22 @@ double matchDistance(const GridView& points, const Ijk& p, double matchTolerance
   return shortest == std::numeric_limits<double>::max() ? 0.0 : matchTolerance * shortest;
 }
 
-std::vector<Index> fetchNearQuads(PartialMesh& mesh, const SurfaceNumbering& surface, const std::vector<Index>& open,
+void appendUndecided(const SurfaceNumbering& surface, const Contacts& contacts, int block, int face,
+  const FaceRange* range, std::vector<Index>& quads)
+{
+  if (contacts.onePiece(block, face) && !contacts.undecided(block, face))
+  {
+    return;
+  }
+  forEachUndecided(contacts, block, face, range ? *range : wholeFace(surface, block, face),
+    [&](const QuadAt& at) { quads.push_back(surface.quad(at)); });
+}
+
+std::vector<Index> fetchNearQuads(PartialMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
   double matchTolerance, const Execution& run)
 {
   const Ranks& ranks = *run.ranks;
-  const std::vector<OpenFace> faces = openFaces(surface, open);
+  const std::vector<OpenFace> faces = openFaces(surface, contacts);
   const Index faceCount = static_cast<Index>(faces.size());
 
   // All ranks get the boxes of all these faces, inflated by the largest match distance on each.
@@ -216,9 +264,11 @@ std::vector<Index> fetchNearQuads(PartialMesh& mesh, const SurfaceNumbering& sur
           }
         });
       }
-      for (Index q = perRank.empty() ? face.end : face.begin; q < face.end; ++q)
+      if (perRank.empty())
       {
-        const QuadAt at = surface.quadAt(open[q], face.block);
+        continue;
+      }
+      forEachUndecided(contacts, face.block, face.face, face.range, [&](const QuadAt& at) {
         Box box;
         for (int c = 0; c < 4; ++c)
         {
@@ -229,13 +279,10 @@ std::vector<Index> fetchNearQuads(PartialMesh& mesh, const SurfaceNumbering& sur
         {
           if (std::any_of(others.second.begin(), others.second.end(), [&](const Box& b) { return b.intersects(box); }))
           {
-            FaceRange& range =
-              needed[n].insert({ others.first, { { at.s, at.t }, { at.s + 1, at.t + 1 } } }).first->second;
-            range.lo[0] = std::min(range.lo[0], at.s);
-            range.hi = { std::max(range.hi[0], at.s + 1), at.t + 1 };
+            extend(needed[n][others.first], at);
           }
         }
-      }
+      });
     }
   });
   std::vector<std::vector<Offer>> offers(ranks.size());
@@ -268,46 +315,37 @@ std::vector<Index> fetchNearQuads(PartialMesh& mesh, const SurfaceNumbering& sur
   std::vector<Index> known;
   for (Index n = 0; n < faceCount; ++n)
   {
-    const FaceRange& range = knownRanges[n];
-    for (Index q = range.lo == range.hi ? faces[n].end : faces[n].begin; q < faces[n].end; ++q)
-    {
-      const QuadAt at = surface.quadAt(open[q], faces[n].block);
-      if (at.s >= range.lo[0] && at.s < range.hi[0] && at.t >= range.lo[1] && at.t < range.hi[1])
-      {
-        known.push_back(open[q]);
-      }
-    }
+    appendUndecided(surface, contacts, faces[n].block, faces[n].face, &knownRanges[n], known);
   }
   return known;
 }
 
-void shareContacts(Contacts& contacts, const std::vector<Index>& quads, const SurfaceNumbering& surface,
-  const PartialMesh& mesh, const Ranks& ranks)
+void shareContacts(Contacts& contacts, const Contacts& before, const std::vector<Index>& quads,
+  const SurfaceNumbering& surface, const PartialMesh& mesh, const Ranks& ranks)
 {
   if (ranks.size() == 1)
   {
     return;
   }
   const std::vector<Patch> found = ranks.gatherAll(patches(contacts, quads, surface, mesh));
-  for (Index quad : quads)
-  {
-    contacts.reset(quad);
-  }
+  contacts = before;
+  QuadAt at, partner;
   for (const Patch& patch : found)
   {
     for (Index n = 0; n < patch.rows.count; ++n)
     {
       for (Index m = 0; m < patch.row.count; ++m)
       {
-        const Index quad = patch.row.quad + n * patch.rows.quadStep + m * patch.row.quadStep;
+        at = surface.quadAt(patch.row.quad + n * patch.rows.quadStep + m * patch.row.quadStep, at.block);
         if (patch.orientation < 0)
         {
-          contacts.setBoundary(quad, -1);
+          contacts.setBoundary(at, -1);
         }
         else
         {
-          const Index partner = patch.row.partner + n * patch.rows.partnerStep + m * patch.row.partnerStep;
-          contacts.setContact(quad, partner, patch.orientation);
+          partner = surface.quadAt(
+            patch.row.partner + n * patch.rows.partnerStep + m * patch.row.partnerStep, partner.block);
+          contacts.setContact(at, partner, patch.orientation);
         }
       }
     }

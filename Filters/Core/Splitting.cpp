@@ -110,6 +110,13 @@ private:
   {
     for (int face = 0; face < 6; ++face)
     {
+      const QuadAt first{ block, face, 0, 0 };
+      const QuadAt partner = this->partnerOf(first);
+      if (this->Links.onePiece(block, face) && !this->Creases.any(block, face) &&
+        (partner.block != block || partner.face != face))
+      {
+        continue;
+      }
       for (int axis = 0; axis < 2; ++axis)
       {
         this->seedFace(block, face, axis);
@@ -128,26 +135,25 @@ private:
       QuadAt at{ block, face, 0, 0 };
       (axis == 0 ? at.t : at.s) = line;
       int& position = axis == 0 ? at.s : at.t;
-      Index before = this->Surface.quad(at);
-      QuadAt partner = this->partnerOf(before, block);
-      this->seedFold(at, axis, partner, before);
+      QuadAt before = at;
+      QuadAt partner = this->partnerOf(at);
+      this->seedFold(at, axis, partner);
       for (position = 1; position < n; ++position)
       {
-        const Index quad = this->Surface.quad(at);
-        const QuadAt next = this->partnerOf(quad, partner.block);
-        bool needed = this->Creases(quad, 1 - axis, 0);
+        const QuadAt next = this->partnerOf(at, partner.block);
+        bool needed = this->Creases(at, 1 - axis, 0);
         for (int side = 0; side < 2; ++side)
         {
           needed = needed ||
-            (this->Creases(before, axis, side) != this->Creases(quad, axis, side) &&
+            (this->Creases(before, axis, side) != this->Creases(at, axis, side) &&
               !this->isOutline({ at, axis, side }));
         }
-        if (needed || !this->continues(before, partner, quad, next, axis))
+        if (needed || !this->continues(before, partner, at, next, axis))
         {
           cut[position] = true;
         }
-        this->seedFold(at, axis, next, quad);
-        before = quad;
+        this->seedFold(at, axis, next);
+        before = at;
         partner = next;
       }
     }
@@ -157,18 +163,19 @@ private:
   bool isOutline(const QuadEdge& edge) const
   {
     const QuadAt other = this->Surface.across(edge).quad;
-    return other.face != edge.quad.face && this->Links.boundary(this->Surface.quad(edge.quad)) &&
-      this->Links.boundary(this->Surface.quad(other));
+    return other.face != edge.quad.face && this->Links.boundary(edge.quad) && this->Links.boundary(other);
   }
 
-  QuadAt partnerOf(Index quad, int hint) const
+  /// The quadrilateral that one meets, of face -1 if it meets none; found fastest if it is of block `hint`.
+  QuadAt partnerOf(const QuadAt& quad, int hint) const
   {
     return this->Links.boundary(quad) ? QuadAt{ hint, -1, 0, 0 }
                                       : this->Surface.quadAt(this->Links.partner(quad), hint);
   }
+  QuadAt partnerOf(const QuadAt& quad) const { return this->partnerOf(quad, quad.block); }
 
   /// Whether two neighbours along `axis` belong to the same boundary, or meet neighbours of one face in the same way.
-  bool continues(Index a, const QuadAt& meetsA, Index b, const QuadAt& meetsB, int axis) const
+  bool continues(const QuadAt& a, const QuadAt& meetsA, const QuadAt& b, const QuadAt& meetsB, int axis) const
   {
     if (this->Links.boundary(a) || this->Links.boundary(b))
     {
@@ -182,9 +189,9 @@ private:
   }
 
   /// A face that is folded onto itself is cut along the fold, so that no piece of a face meets itself.
-  void seedFold(const QuadAt& at, int axis, const QuadAt& partner, Index quad)
+  void seedFold(const QuadAt& at, int axis, const QuadAt& partner)
   {
-    if (this->Links.boundary(quad) || partner.block != at.block || partner.face != at.face ||
+    if (partner.block != at.block || partner.face != at.face ||
       std::abs(partner.s - at.s) > 1 || std::abs(partner.t - at.t) > 1)
     {
       return;
@@ -242,7 +249,7 @@ private:
           axis == 0 ? line : cut.position - 1 + side };
         edge.axis = 1 - axis;
         edge.side = 1 - side;
-        if (this->Links.boundary(this->Surface.quad(edge.quad)))
+        if (this->Links.boundary(edge.quad))
         {
           continue;
         }
@@ -305,11 +312,11 @@ private:
 class CreaseEdges::Search
 {
 public:
-  Search(CreaseEdges& creases, const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-    const std::vector<bool>& leftHanded, const Ranks& ranks)
-    : Bits(creases.Bits)
+  Search(CreaseEdges& creases, const BlockMesh& mesh, const Contacts& contacts, const std::vector<bool>& leftHanded,
+    const Ranks& ranks)
+    : Creases(creases)
     , Mesh(mesh)
-    , Surface(surface)
+    , Surface(creases.Surface)
     , Links(contacts)
     , LeftHanded(leftHanded)
     , Others(ranks)
@@ -330,20 +337,14 @@ public:
     }
     if (this->Others.size() > 1)
     {
-      for (const Marked& edge : this->Others.gatherAll(this->New))
+      for (const QuadEdge& edge : this->Others.gatherAll(this->New))
       {
-        this->mark({ this->Surface.quadAt(edge.quad), edge.axis, edge.side });
+        this->mark(edge);
       }
     }
   }
 
 private:
-  struct Marked
-  {
-    Index quad;
-    int axis;
-    int side;
-  };
   using Normal = std::array<double, 3>;
 
   void markLines()
@@ -397,22 +398,22 @@ private:
       const Ijk p = this->Surface.corner(at, cs, ct);
       return sharpness[p[0] + Index(counts[0]) * (p[1] + Index(counts[1]) * p[2])] >= SharpnessInfinite;
     };
-    forEachQuad(this->Surface, b, [&](const QuadAt& at, Index quad) {
+    forEachQuad(this->Surface, b, [&](const QuadAt& at, Index) {
       for (int axis = 0; axis < 2; ++axis)
       {
         for (int side = 0; side < 2; ++side)
         {
           if (axis == 0 ? sharp(at, 0, side) && sharp(at, 1, side) : sharp(at, side, 0) && sharp(at, side, 1))
           {
-            this->markOwn(quad, { at, axis, side });
+            this->markOwn({ at, axis, side });
           }
         }
       }
     });
   }
 
-  /// Calls visit(quadrilateral, its number, axis, side, other quadrilateral, its number) for all edges between two
-  /// boundary quadrilaterals of which the first is here and has the lower number.
+  /// Calls visit(edge of a boundary quadrilateral, the other one, the other's number) for all edges between two of which
+  /// the first is here and has the lower number.
   template <typename Visit>
   void forEachBoundaryEdge(const Visit& visit) const
   {
@@ -423,7 +424,7 @@ private:
         continue;
       }
       forEachQuad(this->Surface, b, [&](const QuadAt& at, Index quad) {
-        if (!this->Links.boundary(quad))
+        if (!this->Links.boundary(at))
         {
           return;
         }
@@ -432,15 +433,14 @@ private:
           for (int side = 0; side < 2; ++side)
           {
             QuadEdge other = this->Surface.across({ at, axis, side });
-            Index otherQuad = this->Surface.quad(other.quad);
-            while (!this->Links.boundary(otherQuad))
+            while (!this->Links.boundary(other.quad))
             {
               other = this->Surface.across(throughContact(this->Surface, this->Links, other));
-              otherQuad = this->Surface.quad(other.quad);
             }
+            const Index otherQuad = this->Surface.quad(other.quad);
             if (otherQuad > quad)
             {
-              visit(QuadEdge{ at, axis, side }, quad, other.quad, otherQuad);
+              visit(QuadEdge{ at, axis, side }, other.quad, otherQuad);
             }
           }
         }
@@ -461,7 +461,7 @@ private:
       return;
     }
     this->Wanted.resize(this->Others.size());
-    this->forEachBoundaryEdge([&](const QuadEdge&, Index, const QuadAt& other, Index otherQuad) {
+    this->forEachBoundaryEdge([&](const QuadEdge&, const QuadAt& other, Index otherQuad) {
       const MeshBlock& block = this->Mesh.blocks[other.block];
       if (!block.points.isHere())
       {
@@ -495,38 +495,36 @@ private:
   void markSharp(double creaseAngle)
   {
     const double limit = std::cos(creaseAngle * std::acos(-1.0) / 180.0);
-    this->forEachBoundaryEdge([&](const QuadEdge& edge, Index quad, const QuadAt& other, Index otherQuad) {
+    this->forEachBoundaryEdge([&](const QuadEdge& edge, const QuadAt& other, Index otherQuad) {
       const Vec3 a = this->normal(edge.quad);
       const Vec3 b = this->normalOf(other, otherQuad);
       if (a.dot(b) < limit * (a.norm() * b.norm()))
       {
-        this->markOwn(quad, edge);
+        this->markOwn(edge);
       }
     });
   }
 
   /// Marks an edge of which the other ranks do not know.
-  void markOwn(Index quad, const QuadEdge& edge)
+  void markOwn(const QuadEdge& edge)
   {
     if (this->mark(edge) && this->Others.size() > 1)
     {
-      this->New.push_back({ quad, edge.axis, edge.side });
+      this->New.push_back(edge);
     }
   }
 
   /// Marks an edge on all quadrilaterals at it, if it is on the outer boundary. False if nothing changed.
   bool mark(const QuadEdge& edge)
   {
-    const auto bit = [](const QuadEdge& e) { return static_cast<std::uint8_t>(1 << (2 * e.axis + e.side)); };
-    const Index start = this->Surface.quad(edge.quad);
-    if (!this->Bits.empty() && (this->Bits[start] & bit(edge)) != 0)
+    if (this->Creases(edge.quad, edge.axis, edge.side))
     {
       return false;
     }
     // From one boundary to the other, or back to the start if it is inside.
     std::vector<QuadEdge> around{ edge };
     const auto isStart = [&](const QuadEdge& e) {
-      return this->Surface.quad(e.quad) == start && e.axis == edge.axis && e.side == edge.side;
+      return this->Surface.quad(e.quad) == this->Surface.quad(edge.quad) && e.axis == edge.axis && e.side == edge.side;
     };
     // Forwards the walk leaves `edge` through its block, backwards through its contact.
     for (int backwards = 0; backwards < 2; ++backwards)
@@ -534,7 +532,7 @@ private:
       QuadEdge at = edge;
       for (bool throughBlock = !backwards;; throughBlock = !throughBlock)
       {
-        if (!throughBlock && this->Links.boundary(this->Surface.quad(at.quad)))
+        if (!throughBlock && this->Links.boundary(at.quad))
         {
           break;
         }
@@ -546,24 +544,25 @@ private:
         around.push_back(at);
       }
     }
-    if (this->Bits.empty())
-    {
-      this->Bits.assign(this->Surface.quadCount(), 0);
-    }
+    std::vector<std::vector<std::uint8_t>>& bits = this->Creases.Bits;
+    bits.resize(6 * static_cast<std::size_t>(this->Surface.blockCount()));
     for (const QuadEdge& e : around)
     {
-      this->Bits[this->Surface.quad(e.quad)] |= bit(e);
+      std::vector<std::uint8_t>& face = bits[6 * std::size_t(e.quad.block) + e.quad.face];
+      face.resize(Index(this->Surface.faceCells(e.quad.block, e.quad.face, 0)) *
+        this->Surface.faceCells(e.quad.block, e.quad.face, 1));
+      face[this->Creases.place(e.quad)] |= static_cast<std::uint8_t>(1 << (2 * e.axis + e.side));
     }
     return true;
   }
 
-  std::vector<std::uint8_t>& Bits;
+  CreaseEdges& Creases;
   const BlockMesh& Mesh;
   const SurfaceNumbering& Surface;
   const Contacts& Links;
   const std::vector<bool>& LeftHanded;
   const Ranks& Others;
-  std::vector<Marked> New;
+  std::vector<QuadEdge> New;
   /// Per rank the quadrilaterals asked for, ascending, and their normals.
   std::vector<std::vector<Index>> Wanted;
   std::vector<std::vector<Normal>> Normals;
@@ -571,8 +570,9 @@ private:
 
 CreaseEdges::CreaseEdges(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
   const std::vector<bool>& leftHanded, double creaseAngle, const Ranks& ranks)
+  : Surface(surface)
 {
-  Search(*this, mesh, surface, contacts, leftHanded, ranks)(creaseAngle);
+  Search(*this, mesh, contacts, leftHanded, ranks)(creaseAngle);
 }
 
 std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface,

@@ -7,6 +7,8 @@
 #include "MeshCases.h"
 #include "Ranks.h"
 #include "ThreadRanks.h"
+#include "WingFuselageBody.h"
+#include "WingFuselageMesh.h"
 
 #include <gtest/gtest.h>
 
@@ -56,7 +58,7 @@ struct Case
     point(this->spacing, result.wallSpacingPoints);
     point(this->projected, result.projectedPoints);
     point(this->normals, result.surfaceNormals);
-    result.body = this->body.get();
+    result.body = this->body ? this->body.get() : result.body;
     return result;
   }
   ConversionOptions optionsOfAll() const { return this->optionsOf(std::vector<bool>(this->mesh.blocks.size(), true)); }
@@ -150,7 +152,8 @@ void expectSerialBits(const Case& test, const Converted& serial, const std::vect
 
 /// Random distributions over 2 to 5 ranks, each block on its own rank where that is not too many, and one where the first
 /// rank has none.
-void expectSerialBits(Case test, unsigned distributions)
+/// @return the serial result.
+Converted expectSerialBits(Case test, unsigned distributions)
 {
   SCOPED_TRACE(test.name);
   Converted serial;
@@ -178,6 +181,20 @@ void expectSerialBits(Case test, unsigned distributions)
   }
   SCOPED_TRACE("first rank without a block");
   expectSerialBits(test, serial, std::vector<int>(blocks, 1), 2);
+  return serial;
+}
+
+Index pointsWith(const Converted& converted, int parent, ControlPointRule rule)
+{
+  Index count = 0;
+  for (std::size_t b = 0; b < converted.rules.size(); ++b)
+  {
+    const auto& rules = converted.rules[b];
+    count += converted.complex.blocks[b].parent == parent
+      ? std::count(rules.begin(), rules.end(), static_cast<std::uint8_t>(rule))
+      : 0;
+  }
+  return count;
 }
 
 ConversionOptions withRoles(std::vector<BoundaryRole> roles)
@@ -318,8 +335,13 @@ TEST(DistributedConversion, CreasesRiseThroughSeveralBlocks)
       ConversionOptions options;
       options.planarSides = mode;
       Case test("ridge", ridge(cuts), options);
-      Converted serial;
-      expectSerialBits(test, 8);
+      const Converted serial = expectSerialBits(test, 8);
+      if (cuts.size() == 5)
+      {
+        // The crease is on top of the last two blocks, and reaches on into those below them.
+        EXPECT_GT(pointsWith(serial, static_cast<int>(test.mesh.blocks.size()) - 4, ControlPointRule::Crease),
+          pointsWith(serial, 0, ControlPointRule::Crease));
+      }
       meshcases::shuffle(test.mesh, 3, true);
       expectSerialBits(test, 8);
     }
@@ -401,7 +423,7 @@ TEST(DistributedConversion, FarFieldExtension)
     Case test("extension", mesh, withRoles({ BoundaryRole::Body, BoundaryRole::Symmetry }));
     test.options.farFieldSpacing = spacing;
     test.options.automaticWallSpacing = true;
-    expectSerialBits(test, 4);
+    EXPECT_EQ(expectSerialBits(test, 4).report.extensionDistances.size(), spacing == FarFieldSpacing::Off ? 0u : 5u);
 
     // Blocks 19 to 37 are attached to the sides.
     test.name = "named";
@@ -412,7 +434,7 @@ TEST(DistributedConversion, FarFieldExtension)
     // A first cell that is too small for the distance: places are counted.
     Case close("close", meshcases::extendedCuboid(2, 2, 0.2), withRoles({ BoundaryRole::Body, BoundaryRole::Symmetry }));
     close.options.farFieldSpacing = spacing;
-    expectSerialBits(close, 2);
+    EXPECT_EQ(expectSerialBits(close, 2).report.limitedDistances > 0, spacing != FarFieldSpacing::Off);
   }
 }
 
@@ -451,9 +473,62 @@ TEST(DistributedConversion, BodiesWithFeet)
     onBody.options.twist = twist;
     onBody.body = std::make_shared<BodySurface>(bodycases::starPatches(Eigen::Matrix3d::Identity()));
     onBody.mesh.apply([](const Vec3& x) { return Vec3(x.norm() * bodycases::starPoint(x)); });
-    expectSerialBits(onBody, 4);
+    const Converted carried = expectSerialBits(onBody, 4);
     onBody.options.propagationRange = 0.0;
-    expectSerialBits(onBody, 1);
+    const Converted plain = expectSerialBits(onBody, 1);
+    // The body changes the blocks of the second and third shell, which do not touch it.
+    for (const int block : { 6, 12 })
+    {
+      EXPECT_FALSE(sameBits(carried.points[block], plain.points[block])) << block;
+    }
+  }
+}
+
+TEST(DistributedConversion, WingFuselage)
+{
+  WingFuselageOptions options;
+  options.resolution = 2;
+  const WingFuselageLayout layout = wingFuselageLayout(options);
+  const std::vector<BodyPatch> patches = wingFuselageBody(options.shape);
+  const BodySurface body(patches);
+  std::vector<std::vector<double>> points;
+  std::vector<double*> addresses;
+  for (const Ijk& counts : layout.counts)
+  {
+    points.emplace_back(3 * std::size_t(counts[0]) * counts[1] * counts[2]);
+    addresses.push_back(points.back().data());
+  }
+  wingFuselagePoints(options, patches, addresses);
+  BlockMesh mesh;
+  std::vector<Index> sizes;
+  for (std::size_t b = 0; b < points.size(); ++b)
+  {
+    mesh.blocks.emplace_back();
+    mesh.blocks.back().points = GridView(points[b].data(), layout.counts[b]);
+    sizes.push_back(mesh.blocks.back().points.size());
+  }
+  mesh.interfaces = layout.interfaces;
+  mesh.boundaries = layout.boundaries;
+  mesh.boundaryNames = layout.boundaryNames;
+  mesh.creases = layout.creases;
+
+  Case test("wing", {});
+  for (const std::string& name : layout.boundaryNames)
+  {
+    test.options.roles.push_back(name.compare(0, 4, "wall") == 0 ? BoundaryRole::Body
+        : name == "symmetry"                                     ? BoundaryRole::Symmetry
+                                                                 : BoundaryRole::Other);
+  }
+  test.options.body = &body;
+  test.options.automaticWallSpacing = true;
+  test.options.farFieldSpacing = FarFieldSpacing::PerVertex;
+  Converted serial;
+  serial.complex = buildBlockComplex(mesh);
+  conversioncases::convertComplex(serial, test.options);
+  EXPECT_FALSE(serial.report.extensionDistances.empty());
+  for (const int ranks : { 2, 5 })
+  {
+    expectSerialBits(test, serial, distributeBlocks(sizes, ranks), ranks);
   }
 }
 

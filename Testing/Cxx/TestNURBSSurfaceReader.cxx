@@ -2,6 +2,7 @@
 #include "BodyCases.h"
 #include "ClosestPoint.h"
 #include "NURBSSurfaceData.h"
+#include "ThreadRanks.h"
 #include "TrimRegion.h"
 #include "vtkNURBSSurfaceReader.h"
 
@@ -277,27 +278,56 @@ TEST(NURBSSurfaceReader, PatchesSurviveTheirDataObjects)
   patches[1].loops[1].push_back({ 1, { 0, 0, 1, 1 }, { { 1, 1 }, { 2, 2 } }, {} });
   vtkNew<vtkPartitionedDataSetCollection> collection;
   setBody(collection, patches, { "", "7", "" }, nullptr);
-  const std::vector<BodyPatch> back = bodyPatches(collection);
-  ASSERT_EQ(back.size(), patches.size());
-  for (std::size_t i = 0; i < patches.size(); ++i)
-  {
-    EXPECT_EQ(back[i].reversed, patches[i].reversed);
-    EXPECT_EQ(back[i].surface.knots, patches[i].surface.knots);
-    EXPECT_EQ(back[i].surface.points, patches[i].surface.points);
-    EXPECT_EQ(back[i].surface.weights, patches[i].surface.weights);
-    ASSERT_EQ(back[i].loops.size(), patches[i].loops.size());
-    for (std::size_t l = 0; l < patches[i].loops.size(); ++l)
+  const auto expectSame = [&](const std::vector<BodyPatch>& back) {
+    ASSERT_EQ(back.size(), patches.size());
+    for (std::size_t i = 0; i < patches.size(); ++i)
     {
-      ASSERT_EQ(back[i].loops[l].size(), patches[i].loops[l].size());
-      for (std::size_t c = 0; c < patches[i].loops[l].size(); ++c)
+      EXPECT_EQ(back[i].name, patches[i].name.empty() ? "Patch_2" : patches[i].name);
+      EXPECT_EQ(back[i].surface.degree, patches[i].surface.degree);
+      EXPECT_EQ(back[i].reversed, patches[i].reversed);
+      EXPECT_EQ(back[i].surface.knots, patches[i].surface.knots);
+      EXPECT_EQ(back[i].surface.points, patches[i].surface.points);
+      EXPECT_EQ(back[i].surface.weights, patches[i].surface.weights);
+      ASSERT_EQ(back[i].loops.size(), patches[i].loops.size());
+      for (std::size_t l = 0; l < patches[i].loops.size(); ++l)
       {
-        EXPECT_EQ(back[i].loops[l][c].knots, patches[i].loops[l][c].knots);
-        EXPECT_EQ(back[i].loops[l][c].points, patches[i].loops[l][c].points);
-        EXPECT_EQ(back[i].loops[l][c].weights, patches[i].loops[l][c].weights);
+        ASSERT_EQ(back[i].loops[l].size(), patches[i].loops[l].size());
+        for (std::size_t c = 0; c < patches[i].loops[l].size(); ++c)
+        {
+          EXPECT_EQ(back[i].loops[l][c].degree, patches[i].loops[l][c].degree);
+          EXPECT_EQ(back[i].loops[l][c].knots, patches[i].loops[l][c].knots);
+          EXPECT_EQ(back[i].loops[l][c].points, patches[i].loops[l][c].points);
+          EXPECT_EQ(back[i].loops[l][c].weights, patches[i].loops[l][c].weights);
+        }
       }
     }
+  };
+  expectSame(bodyPatches(collection));
+
+  // On several ranks: each has some of the patches, one of them none; all get all.
+  for (int size = 2; size <= 4; ++size)
+  {
+    const auto errors = bsvtest::onRanks(size, [&](const Execution& run) {
+      vtkNew<vtkPartitionedDataSetCollection> part;
+      part->ShallowCopy(collection);
+      for (unsigned int p = 0; p < part->GetNumberOfPartitionedDataSets(); ++p)
+      {
+        if (run.ranks->rank() != static_cast<int>(1 + p % (size - 1)) && (p != 1 || run.ranks->rank() != 2))
+        {
+          part->SetNumberOfPartitions(p, 0);
+        }
+      }
+      expectSame(bodyPatches(part, *run.ranks));
+      // What all have is not sent: the points alone would be more than this.
+      const Index received = run.ranks->receivedBytes();
+      const Index points = static_cast<Index>(sizeof(double) * 3 * patches[0].surface.points.size());
+      EXPECT_TRUE(run.ranks->rank() > 0 || received > points);
+      expectSame(bodyPatches(collection, *run.ranks));
+      EXPECT_LT(run.ranks->receivedBytes() - received, points);
+      EXPECT_THROW(bodyPatches(nullptr, *run.ranks), Error);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(size));
   }
-  EXPECT_EQ(back[0].name, "same name");
 
   // Damaged arrays name the patch and the array.
   auto* grid = vtkStructuredGrid::SafeDownCast(collection->GetPartitionAsDataObject(1, 0));

@@ -294,12 +294,12 @@ TEST(Pieces, GoTools)
 TEST(Pieces, WingFuselage)
 {
   vtkNew<vtkWingFuselageSource> source;
-  source->SetResolution(3);
+  source->SetResolution(2);
   expectPieces(source, "wing and fuselage");
 
   // The second output is whole in every piece; who asks for it gets that piece of the mesh.
   vtkNew<vtkWingFuselageSource> other;
-  other->SetResolution(3);
+  other->SetResolution(2);
   vtkNew<vtkInformationVector> requests;
   requests->SetNumberOfInformationObjects(2);
   vtkInformation* request = requests->GetInformationObject(1);
@@ -524,5 +524,23 @@ TEST(Pieces, RanksReadOneVolumeTogether)
   {
     EXPECT_EQ(bsvtest::onRanks(ranks, [&](const Execution& run) { readOn(run); }),
       std::vector<std::string>(ranks, serial));
+  }
+
+  // Two sides of an interface that differ: every split of the blocks finds them.
+  for (const bsv::Interface& contact : volumes.interfaces)
+  {
+    bsv::QuadflowCase torn = quadflowCase(volumes);
+    const bsvtest::Block& block = volumes.blocks[contact.blockA];
+    std::vector<double> points = block.points;
+    points[3 * block.at(bsvtest::facePosition(block.counts(), contact.faceA, 1, 1)) + 2] += 1.0;
+    torn.blocks[contact.blockA].volume.points = points.data();
+    bsv::writeQuadflow(torn, file);
+    const std::string difference = bsvtest::onRanks(1, [&](const Execution& run) { readOn(run); })[0];
+    EXPECT_NE(difference.find("differ"), std::string::npos) << difference;
+    for (const int ranks : { 2, 3, 5 })
+    {
+      EXPECT_EQ(bsvtest::onRanks(ranks, [&](const Execution& run) { readOn(run); }),
+        std::vector<std::string>(ranks, difference));
+    }
   }
 }

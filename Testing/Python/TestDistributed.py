@@ -7,51 +7,24 @@ Every rank computes what it expects from the whole mesh, alone.
 import os
 import random
 import sys
+import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import client, vtk, blocks, coordinates, demo_mesh, field, grid, main, names
+from bsv_support import (RANK, RANKS, Alone, vtk, blocks, collection, coordinates, field, grid, main, names,
+                         total)
+import make_demo_mesh
 
-CONTROLLER = vtk.vtkMultiProcessController.GetGlobalController()
-RANK = CONTROLLER.GetLocalProcessId() if CONTROLLER else 0
-SIZE = CONTROLLER.GetNumberOfProcesses() if CONTROLLER else 1
-assert SIZE == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
-
-
-class Alone:
-    """Filters believe that there is only this process."""
-
-    def __enter__(self):
-        vtk.vtkMultiProcessController.SetGlobalController(vtk.vtkDummyController())
-
-    def __exit__(self, *_):
-        vtk.vtkMultiProcessController.SetGlobalController(CONTROLLER)
-
-
-def reduced(number, operation=vtk.vtkCommunicator.SUM_OP):
-    """A whole number of all ranks together."""
-    if SIZE == 1:
-        return number
-    mine, result = vtk.vtkIntArray(), vtk.vtkIntArray()
-    mine.InsertNextValue(number)
-    CONTROLLER.AllReduce(mine, result, operation)
-    return result.GetValue(0)
-
-
-def check(right, *what):
-    """Fails on all ranks if it does on one, which says what is wrong: no rank waits for another that has gone."""
-    if not right:
-        print("rank", RANK, *what, file=sys.stderr, flush=True)
-    assert reduced(int(bool(right)), vtk.vtkCommunicator.MIN_OP), "see the message of a rank"
+assert RANKS == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
 
 
 def distributions(count):
     """Rank per block, in several ways."""
-    dice = random.Random(SIZE)
-    yield [b % SIZE for b in range(count)]
-    yield [b * SIZE // count for b in range(count)]
-    yield [SIZE - 1] * count
-    yield [dice.randrange(max(1, SIZE - 1)) for _ in range(count)]  # the last rank has nothing
+    dice = random.Random(RANKS)
+    yield [b % RANKS for b in range(count)]
+    yield [b * RANKS // count for b in range(count)]
+    yield [RANKS - 1] * count
+    yield [dice.randrange(max(1, RANKS - 1)) for _ in range(count)]  # the last rank has nothing
 
 
 def part(whole, rank_of):
@@ -65,12 +38,6 @@ def part(whole, rank_of):
     if RANK in rank_of:
         data.GetFieldData().ShallowCopy(whole.GetFieldData())
     return data
-
-
-def partitions(data):
-    """The grids that this rank has, None for the others."""
-    return [data.GetPartition(b, 0) if data.GetNumberOfPartitions(b) > 0 else None
-            for b in range(data.GetNumberOfPartitionedDataSets())]
 
 
 def array_bits(data):
@@ -87,26 +54,32 @@ def grid_bits(block):
 
 def compare_blocks(found, expected, what):
     """Every block is on one rank, with the right bits; everything else is the same on all."""
-    check(names(found) == names(expected), what, "names")
-    check(array_bits(found.GetFieldData()) == array_bits(expected.GetFieldData()), what, "field data")
-    check(found.GetDataAssembly().SerializeToXML(vtk.vtkIndent()) ==
-          expected.GetDataAssembly().SerializeToXML(vtk.vtkIndent()), what, "assembly")
-    here = partitions(found)
-    check(all(block is None or grid_bits(block) == grid_bits(other) for block, other in zip(here, blocks(expected))),
-          what, "blocks")
-    check(reduced(sum(block is not None for block in here)) == len(here), what, "number of blocks")
+    assert names(found) == names(expected), what
+    assert array_bits(found.GetFieldData()) == array_bits(expected.GetFieldData()), what
+    assembly = [data.GetDataAssembly().SerializeToXML(vtk.vtkIndent()) for data in (found, expected)]
+    assert assembly[0] == assembly[1], what
+    here = blocks(found)
+    assert all(block is None or grid_bits(block) == grid_bits(other)
+               for block, other in zip(here, blocks(expected))), what
+    assert total(sum(block is not None for block in here)) == len(here), what
     return here
 
 
 def demo():
-    return client(demo_mesh(4)).GetOutputDataObject(0)
+    """The demonstration mesh: cut blocks, creases, extraordinary edges, a planar far field."""
+    reader = bsplinevolume.vtkHexBlockMeshReader()
+    with Alone(), tempfile.TemporaryDirectory() as folder:
+        reader.SetFileName(make_demo_mesh.write_demo(folder, 4))
+        reader.Update()
+    return reader.GetOutputDataObject(0)
 
 
 def wing():
     """Mesh and body of the example case."""
     source = bsplinevolume.vtkWingFuselageSource()
     source.SetResolution(4)
-    source.Update()
+    with Alone():
+        source.Update()
     return source.GetOutputDataObject(0), source.GetOutputDataObject(1)
 
 
@@ -128,56 +101,68 @@ def compare_conversion(whole, parts, bodies=None, setup=lambda convert: None):
     """Converts the whole alone and its parts together. `bodies`: for the whole, and per distribution."""
     with Alone():
         serial = converted(whole, bodies[0] if bodies else None, setup)
+    assert serial.GetNumberOfBlocks() > 0
     for n, rank_of in enumerate(parts):
         convert = converted(part(whole, rank_of), bodies[1][n] if bodies else None, setup)
         here = compare_blocks(convert.GetOutputDataObject(0), serial.GetOutputDataObject(0), rank_of)
-        check(all(block is None or rank_of[block.GetFieldData().GetArray("ParentBlock").GetValue(0)] == RANK
-                  for block in here), rank_of, "pieces are where their blocks are")
-        check(all(getattr(convert, "GetNumberOf" + name)() == getattr(serial, "GetNumberOf" + name)()
-                  for name in COUNTERS), "counters")
+        assert all(block is None or rank_of[block.GetFieldData().GetArray("ParentBlock").GetValue(0)] == RANK
+                   for block in here), rank_of
+        for name in COUNTERS:
+            assert getattr(convert, "GetNumberOf" + name)() == getattr(serial, "GetNumberOf" + name)(), name
         lines = [line for line in convert.GetReport().splitlines(True) if not line.startswith("rank ")]
-        check("".join(lines) == serial.GetReport(), rank_of, "report", convert.GetReport(), serial.GetReport())
-        used = len(set(rank_of))
-        check((convert.GetReceivedBytes() > 0) == (SIZE > 1), "received bytes")
-        check(convert.GetReport().count("bytes from other ranks") == (SIZE if SIZE > 1 else 0), used, "report")
+        assert "".join(lines) == serial.GetReport(), convert.GetReport() + serial.GetReport()
+        assert (convert.GetReceivedBytes() > 0) == (RANKS > 1)
+        assert convert.GetReport().count("bytes from other ranks") == (RANKS if RANKS > 1 else 0)
+    return serial
 
 
 def test_demo():
-    """Cut blocks, creases, extraordinary edges, a planar far field."""
-    whole = demo()
-    compare_conversion(whole, distributions(11))
+    compare_conversion(demo(), distributions(11))
 
-    def every_option(convert):
-        convert.SetInputPoints(2)  # on the body
-        convert.SetWallSpacingMode(1)
-        convert.SetPlanarSides(1)
+
+def test_options_that_name_faces():
+    whole = demo()
+    wall = field(whole, "BoundaryNames").index("WALL")
+    faces = {tuple(map(int, entry[:2])) for entry in field(whole, "Boundaries") if entry[2] == wall}
+
+    def setup(convert):
+        convert.SetInputPoints(convert.ON_BODY)
+        convert.SetWallSpacingMode(convert.GROWTH)
+        convert.SetPlanarSides(convert.ALL)
         convert.ClearBodyBoundaries()
-        for b in range(11):
-            for f in range(6):
-                if (b, f) in wall:
-                    convert.AddBodyFace(b, f)
-    tuples = field(whole, "Boundaries")
-    tag = field(whole, "BoundaryNames").index("WALL")
-    wall = {(int(entry[0]), int(entry[1])) for entry in tuples if entry[2] == tag}
-    compare_conversion(whole, list(distributions(11))[:2], setup=every_option)
+        for block, face in sorted(faces):
+            convert.AddBodyFace(block, face)
+    compare_conversion(whole, list(distributions(11))[:2], setup=setup)
+
+
+def row(count):
+    """Blocks in a row, with plane faces between them."""
+    grids = [grid((3, 2, 2), lambda i, j, k: (i + 0.03 * i * i, j + 0.1 * j * k, k), (3 * b, 0, 0))
+             for b in range(count)]
+    data = collection(grids)
+    for b in range(count):
+        data.GetMetaData(b).Set(vtk.vtkCompositeDataSet.NAME(), "part %d" % b)
+    return data
+
+
+def test_options_that_name_blocks():
+    def setup(convert):
+        convert.AddExtensionBlock("part 3")
+    serial = compare_conversion(row(4), distributions(4), setup=setup)
+    assert "far-field extension" in serial.GetReport()
 
 
 def test_more_ranks_than_blocks():
-    whole = vtk.vtkPartitionedDataSetCollection()
-    whole.SetNumberOfPartitionedDataSets(2)
-    for b in range(2):
-        whole.SetPartition(b, 0, grid((3, 2, 2), lambda i, j, k: (i + 0.1 * j * k, j - 0.1 * i * k, k), (3 * b, 0, 0)))
-        whole.GetMetaData(b).Set(vtk.vtkCompositeDataSet.NAME(), "half %d" % b)
-    compare_conversion(whole, distributions(2))
+    compare_conversion(row(2), distributions(2))
 
 
 def test_wing_with_a_body_that_one_rank_has():
     mesh, body = wing()
     count = mesh.GetNumberOfPartitionedDataSets()
     nothing = vtk.vtkPartitionedDataSetCollection()
-    spread = part(body, [n % SIZE for n in range(body.GetNumberOfPartitionedDataSets())])
+    spread = part(body, [n % RANKS for n in range(body.GetNumberOfPartitionedDataSets())])
     bodies = [spread, body if RANK == 0 else nothing]
-    compare_conversion(mesh, list(distributions(count))[:2], (body, bodies))
+    compare_conversion(mesh, list(distributions(count))[2:], (body, bodies))
 
 
 def test_every_rank_may_have_everything():
@@ -185,7 +170,7 @@ def test_every_rank_may_have_everything():
     with Alone():
         serial = converted(whole)
     convert = converted(whole)
-    check(all((block is not None) == (RANK == 0) for block in partitions(convert.GetOutputDataObject(0))), "owner")
+    assert all((block is not None) == (RANK == 0) for block in blocks(convert.GetOutputDataObject(0)))
     compare_blocks(convert.GetOutputDataObject(0), serial.GetOutputDataObject(0), "everything everywhere")
 
 
@@ -217,10 +202,10 @@ def test_topology():
         found = topology(part(whole, rank_of))
         data = found.GetOutputDataObject(0)
         mine = entities(data)
-        check(len(mine) == len(set(mine)) and set(mine) <= set(expected), rank_of, "cells")
-        check(reduced(len(mine)) == len(expected), rank_of, "number of cells")
-        check(found.GetReport() == serial.GetReport(), "report")
-        check(array_bits(data.GetFieldData()) == array_bits(serial.GetOutputDataObject(0).GetFieldData()), "fields")
+        assert len(mine) == len(set(mine)) and set(mine) <= set(expected), rank_of
+        assert total(len(mine)) == len(expected), rank_of
+        assert found.GetReport() == serial.GetReport()
+        assert array_bits(data.GetFieldData()) == array_bits(serial.GetOutputDataObject(0).GetFieldData())
 
 
 def test_wall_spacing():
@@ -241,10 +226,10 @@ def test_wall_spacing():
         found = spacing(part(whole, rank_of))
         compare_blocks(found.GetOutputDataObject(0), serial.GetOutputDataObject(0), rank_of)
         surface = found.GetOutputDataObject(1)
-        check(reduced(surface.GetNumberOfCells()) == wall.GetNumberOfCells(), "wall cells")
-        check(found.GetReport() == serial.GetReport(), "report")
-        check(found.GetNumberOfWallPoints() == wall.GetNumberOfPoints(), "wall points")
-        check(found.GetYPlusRange() == serial.GetYPlusRange(), "y+")
+        assert total(surface.GetNumberOfCells()) == wall.GetNumberOfCells()
+        assert found.GetReport() == serial.GetReport()
+        assert found.GetNumberOfWallPoints() == wall.GetNumberOfPoints()
+        assert found.GetYPlusRange() == serial.GetYPlusRange()
 
 
 def once(name, text):
@@ -258,7 +243,7 @@ def silence(algorithm):
 
 
 def failure(mesh, setup=lambda convert: None):
-    """Text of all messages of a conversion that must fail, or stop, on all ranks; what the pipeline says is left out."""
+    """Text of all messages of a conversion that must fail, or stop, on all ranks."""
     window, before = vtk.vtkStringOutputWindow(), vtk.vtkOutputWindow.GetInstance()
     vtk.vtkOutputWindow.SetInstance(window)
     try:
@@ -266,16 +251,16 @@ def failure(mesh, setup=lambda convert: None):
     finally:
         vtk.vtkOutputWindow.SetInstance(before)
     data = convert.GetOutputDataObject(0)
-    check(data.GetNumberOfPartitionedDataSets() == 0 and data.GetFieldData().GetNumberOfArrays() == 0, "output")
+    assert data.GetNumberOfPartitionedDataSets() == 0 and data.GetFieldData().GetNumberOfArrays() == 0
     text = window.GetOutput()
-    check(RANK == 0 or text == "", "a message of another rank than the first:", text)
+    assert RANK == 0 or text == "", text
     return text
 
 
 def test_one_rank_fails():
     whole = demo()
-    rank_of = [(b + 1) % SIZE for b in range(11)]
-    broken = min(1, SIZE - 1)
+    rank_of = [(b + 1) % RANKS for b in range(11)]
+    broken = min(1, RANKS - 1)
     block = rank_of.index(broken)
 
     mesh = vtk.vtkPartitionedDataSetCollection()
@@ -283,7 +268,7 @@ def test_one_rank_fails():
     if RANK == broken:
         mesh.GetPartition(block, 0).GetPoints().SetPoint(5, float("nan"), 0.0, 0.0)
     text = failure(mesh)
-    check(RANK > 0 or (once(names(whole)[block], text) and "nan" in text), text)
+    assert RANK > 0 or (once(names(whole)[block], text) and "nan" in text), text
 
     mesh = part(whole, rank_of)
     if RANK == broken:
@@ -296,7 +281,7 @@ def test_one_rank_fails():
         copy.GetPointData().AddArray(array)
         mesh.SetPartition(block, 0, copy)
     text = failure(mesh)
-    check(RANK > 0 or (once(names(whole)[block], text) and "SurfaceNormal" in text), text)
+    assert RANK > 0 or (once(names(whole)[block], text) and "SurfaceNormal" in text), text
 
     # And nothing is left of it: the next one succeeds.
     with Alone():
@@ -306,15 +291,15 @@ def test_one_rank_fails():
 
 def test_one_rank_aborts():
     whole = demo()
-    rank_of = [b % SIZE for b in range(11)]
+    rank_of = [b % RANKS for b in range(11)]
     for fraction in (0.0, 0.4, 0.7):
         def stop(convert, fraction=fraction):
             def progress(caller, _):
                 if caller.GetProgress() >= fraction:
                     caller.SetAbortExecute(1)
-            if RANK == min(1, SIZE - 1):
+            if RANK == min(1, RANKS - 1):
                 convert.AddObserver("ProgressEvent", progress)
-        check(failure(part(whole, rank_of), stop) == "", "an abort is no error")
+        assert failure(part(whole, rank_of), stop) == ""  # an abort is no error
 
 
 if __name__ == "__main__":

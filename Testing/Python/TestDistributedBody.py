@@ -3,14 +3,13 @@
 
     mpiexec -n 3 pvbatch --sym TestDistributedBody.py
 """
-import contextlib
 import os
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import vtk, blocks, coordinates, field, main, names, values
+from bsv_support import Alone, vtk, blocks, coordinates, field, main, names, values
 from TestBody import ellipsoid_patch, shell, write_g2
 
 WALL_ARRAYS = ("Distance", "NormalDeviation", "PatchUV", "ProjectedPoint", "SurfaceNormal", "SecondFundamentalForm")
@@ -20,15 +19,6 @@ TOTALS = ("MaximumDistance", "RMSDistance", "MaximumNormalDeviation")
 
 def controller():
     return vtk.vtkMultiProcessController.GetGlobalController()
-
-
-@contextlib.contextmanager
-def alone():
-    """This process without the others."""
-    group = controller()
-    vtk.vtkMultiProcessController.SetGlobalController(vtk.vtkDummyController())
-    yield
-    vtk.vtkMultiProcessController.SetGlobalController(group)
 
 
 def body():
@@ -79,7 +69,7 @@ def rows(data, arrays, block=None):
 def test_any_distribution():
     rank, size = controller().GetLocalProcessId(), controller().GetNumberOfProcesses()
     assert size == int(os.environ["BSV_EXPECTED_RANKS"])
-    with alone():
+    with Alone():
         net, surface = volume(), body()
         _, expected = deviation(net, surface)
     wall, tessellation = blocks(expected)

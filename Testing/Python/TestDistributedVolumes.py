@@ -12,22 +12,12 @@ import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import (CONTROLLER, RANK, RANKS, vtk, collection, coordinates, dimensions, field, grid, main, names,
+from bsv_support import (RANK, RANKS, Alone, vtk, collection, coordinates, dimensions, field, grid, main, names,
                          shared_folder, total, values)
 
 assert RANKS == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
 SPANS = (3, 2, 2)
 SHAPE = (2, 2, 3)  # blocks per direction
-
-
-class Alone:
-    """Filters believe that there is only this process."""
-
-    def __enter__(self):
-        vtk.vtkMultiProcessController.SetGlobalController(vtk.vtkDummyController())
-
-    def __exit__(self, *_):
-        vtk.vtkMultiProcessController.SetGlobalController(CONTROLLER)
 
 
 def volume(fold=0.0, rational=False):

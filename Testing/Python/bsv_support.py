@@ -33,6 +33,16 @@ def total(number):
     return result.GetValue(0)
 
 
+class Alone:
+    """Filters believe that there is only this process."""
+
+    def __enter__(self):
+        vtk.vtkMultiProcessController.SetGlobalController(vtk.vtkDummyController())
+
+    def __exit__(self, *_):
+        vtk.vtkMultiProcessController.SetGlobalController(CONTROLLER)
+
+
 @contextlib.contextmanager
 def shared_folder():
     """A temporary folder that all ranks use."""
