@@ -927,6 +927,10 @@ TEST(Quadflow, SameFileFromAnyRanks)
       const std::string serial = files();
       for (int size = 1; size <= 5; ++size)
       {
+        if (&input != &inputs.front() && size != 2 + variant)
+        {
+          continue; // every file is flushed to the disk
+        }
         for (const std::vector<int>& owners : distributions(random, input.volumes.size(), size))
         {
           put(path, "old");
