@@ -261,9 +261,9 @@ std::vector<SharedLeaf> shareLeaves(const std::vector<Leaf>& leaves, const Ranks
       {
         leaf.rank = r;
         leaf.counts = record.counts;
-        leaf.name = name;
       }
-      if (leaf.counts != record.counts || leaf.name != name)
+      leaf.name = leaf.name.empty() ? name : leaf.name;
+      if (leaf.counts != record.counts || (!name.empty() && leaf.name != name))
       {
         throw Error("Block " + std::to_string(place) + " is " + state(place, leaf.name, leaf.counts, leaf.rank) +
           ", but " + state(place, name, record.counts, r) + ".");

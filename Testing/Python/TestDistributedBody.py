@@ -112,7 +112,7 @@ def test_fitted_wall():
     """The wall is moved to the body before the conversion; the points that move lie in blocks of all ranks."""
     rank, size = controller().GetLocalProcessId(), controller().GetNumberOfProcesses()
     mesh = shell(scale=1.01)
-    with alone():
+    with Alone():
         surface = body()
         _, expected = fitted(mesh, surface)
     convert, found = fitted(only(mesh, lambda b: b % size == rank),
@@ -127,7 +127,7 @@ def test_fitted_wall():
 def test_an_error_ends_on_all_ranks():
     """A body without patches, which all learn from each other: one message, on the first rank."""
     rank = controller().GetLocalProcessId()
-    with alone():
+    with Alone():
         net, surface = volume(), body()
     measure = bsplinevolume.vtkBodyDeviation()
     measure.SetInputDataObject(0, net)
