@@ -24,8 +24,8 @@
  *
  * Hexahedra have the axes of their block. Quadrilaterals of right-handed blocks face outward.
  *
- * Several ranks each have the cells of their blocks, or of the faces of their blocks. Points at the borders between ranks
- * are on all of these, with the same bits as on one rank.
+ * Several ranks each have the cells of their blocks, or of the faces of their blocks. Points at the borders between
+ * ranks are on all of these, with the same bits as on one rank.
  *
  * An empty input gives an empty output. A block that is no B-spline volume, or more than this machine can hold, is an
  * error; the output is then empty.

@@ -46,8 +46,8 @@ using QuadflowStorage = std::function<double*(int block, const std::array<int, 3
 /// Reads and checks a file, text or binary in any byte order, and the geometry file that it names. Counts are compared
 /// with the size of the file before memory is asked for. Collective.
 ///
-/// Of blocks that do not belong to `piece` the control points are skipped. As their numbers are not known before, blocks
-/// are shared out by those of a cubic with simple knots, cells + 3 per direction.
+/// Of blocks that do not belong to `piece` the control points are skipped. As their numbers are not known before,
+/// blocks are shared out by those of a cubic with simple knots, cells + 3 per direction.
 /// @throws Error naming file and line, Aborted
 QuadflowCase readQuadflow(
   const std::string& path, const QuadflowStorage& storage, const Execution& run = {}, const Piece& piece = {});

@@ -446,6 +446,26 @@ TEST(BezierExtraction, SameBitsOnAnyRanks)
   }
 }
 
+TEST(BezierExtraction, OnlyFacesTravel)
+{
+  std::mt19937 random(9);
+  for (const int cells : { 5, 10 })
+  {
+    const Volumes lattice =
+      cutLattice(random, { { { cells, cells }, { cells }, { cells } } }, { false, false, false }, false);
+    const std::vector<BSplineVolume> volumes = views(lattice.blocks);
+    const auto errors = onRanks(2, [&](const Execution& run) {
+      const std::vector<BSplineVolume> mine = bsvtest::partOf(volumes, { 0, 1 }, run.ranks->rank());
+      const BezierExtraction part(mine, &lattice.interfaces, BezierCells::Volume, run);
+      evaluated(part, run);
+      // Points once, then what is known of them: at first, and again because something was new.
+      const double points = (3.0 * cells + 1) * (3.0 * cells + 1);
+      EXPECT_LT(run.ranks->receivedBytes(), points * (24 + 2 * 48) + 1000);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(2));
+  }
+}
+
 // A declared contact of faces with unequal degrees has no common Bezier points.
 TEST(BezierExtraction, UnequalDegreesAreNotWelded)
 {

@@ -996,6 +996,24 @@ TEST(Smoothness, SameBitsOnAnyRanks)
   }
 }
 
+TEST(Smoothness, OnlyLayersAtTheJoinsTravel)
+{
+  std::mt19937 random(4);
+  for (const int cells : { 15, 30 })
+  {
+    const Volumes lattice =
+      cutLattice(random, { { { cells, cells }, { cells }, { cells } } }, { false, false, false }, false);
+    const std::vector<BSplineVolume> volumes{ lattice.blocks[0].view(), lattice.blocks[1].view() };
+    const auto errors = onRanks(2, [&](const Execution& run) {
+      measureSmoothness(partOf(volumes, { 0, 1 }, run.ranks->rank()), lattice.interfaces, {}, run);
+      // Three layers of points of the interface and of the four borders at it, and what is said of all 21 joins.
+      const double points = (cells + 3.0) * (cells + 3.0) + 4 * (cells + 3.0);
+      EXPECT_LT(run.ranks->receivedBytes(), 3 * 24 * points + 21 * 1000);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(2));
+  }
+}
+
 TEST(Smoothness, ErrorsAndAbortsOfOneRankAreThoseOfAll)
 {
   const Volumes lattice = [] {
