@@ -251,8 +251,8 @@ def files(folder):
     return result
 
 
-def write(path, data, **properties):
-    writer = bsplinevolume.vtkQuadflowWriter()
+def write(path, data, kind="vtkQuadflowWriter", **properties):
+    writer = getattr(bsplinevolume, kind)()
     writer.SetFileName(path)
     for name, value in properties.items():
         getattr(writer, "Set" + name)(value)
@@ -284,6 +284,23 @@ def test_topology_files():
             total(0)
     with shared_folder() as folder:
         in_all_ways(lambda whole, owners: check(folder, whole, owners))
+
+
+def test_bodies_are_written_wherever_they_are():
+    with Alone(), tempfile.TemporaryDirectory() as own:
+        source = bsplinevolume.vtkWingFuselageSource()
+        source.SetResolution(2)
+        source.Update()
+        body = source.GetOutputDataObject(1)
+        assert write(os.path.join(own, "body.g2"), body, kind="vtkNURBSSurfaceWriter") == (1, [])
+        expected = files(own)
+    count = body.GetNumberOfPartitionedDataSets()
+    with shared_folder() as folder:
+        for data in (body, part(body, [RANKS - 1] * count), part(body, [b % RANKS for b in range(count)])):
+            assert write(os.path.join(folder, "body.g2"), data, kind="vtkNURBSSurfaceWriter") == (1, [])
+            total(0)
+            assert files(folder) == expected
+            total(0)
 
 
 def test_error_of_one_rank_is_told_once():
