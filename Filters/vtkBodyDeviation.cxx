@@ -434,8 +434,8 @@ std::vector<Totals> wallSamples(const std::vector<WallFace>& faces, const bsv::B
         std::copy_n(form, 3, forms + to);
       }
     });
-    totals[grid.face] = samples.total(
-      { grid.start, grid.start + ns * nt }, { grid.firstCell, grid.firstCell + (ns - 1) * (nt - 1) });
+    totals[grid.face] =
+      samples.total({ grid.start, grid.start + ns * nt }, { grid.firstCell, grid.firstCell + (ns - 1) * (nt - 1) });
   }
   return totals;
 }
@@ -613,8 +613,7 @@ int vtkBodyDeviation::RequestData(
     {
       throw bsv::Error("Body is missing");
     }
-    const bsv::BSplineVolumeBlocks input =
-      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
     if (input.volumes.empty())
     {
       return;
@@ -642,9 +641,8 @@ int vtkBodyDeviation::RequestData(
 
     vtkNew<vtkPolyData> wallData;
     std::vector<Totals> perFace;
-    ranks.together([&] {
-      perFace = wallSamples(faces, input, this->Level, *body, wallData, bsv::filterExecution(this, 0.2, 0.7));
-    });
+    ranks.together(
+      [&] { perFace = wallSamples(faces, input, this->Level, *body, wallData, bsv::filterExecution(this, 0.2, 0.7)); });
     ranks.share(perFace, [&](Index f) { return input.ranks[faces[f].block]; });
     Totals ofWall;
     for (const Totals& face : perFace)
@@ -664,8 +662,8 @@ int vtkBodyDeviation::RequestData(
     const int owner = first == found.end() ? 0 : static_cast<int>(first - found.begin());
     if (first != found.end())
     {
-      const Totals ofBody = bodySamples(
-        surface, owner, *body, *wall, WallBorder(faces), bsv::filterExecution(this, 0.7, 1.0));
+      const Totals ofBody =
+        bodySamples(surface, owner, *body, *wall, WallBorder(faces), bsv::filterExecution(this, 0.7, 1.0));
       this->HausdorffDistance = std::max(ofWall.maximum, ofBody.maximum);
       if (ranks.rank() == owner)
       {

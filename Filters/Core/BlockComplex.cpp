@@ -59,11 +59,11 @@ bool before(const Vec3& a, const Vec3& b)
   return false;
 }
 
-/// The points in the classes that have a point here, of which some are on other ranks.
+/// Coordinates of all copies of the points that are here; some of the copies are on other ranks.
 class CopiedPoints
 {
 public:
-  /// Collective. `numbering` is that of the copies; `surface` is the same on all ranks.
+  /// Collective. `numbering` numbers all copies of points that are here; `surface` is the same on all ranks.
   CopiedPoints(const BlockMesh& mesh, const SurfaceNumbering& surface, const SurfaceNumbering& numbering,
     UnionFind& copies, const Ranks& ranks)
     : Mesh(mesh)
@@ -469,8 +469,8 @@ private:
         continue;
       }
       this->forEachSample(face.uses[0], [&](const QuadAt&, const QuadAt& other) {
-        wanted.push_back(pointsAtFace(this->Mesh, other.block, other.face,
-          { { other.s, other.t }, { other.s + 1, other.t + 1 } }, 2));
+        wanted.push_back(
+          pointsAtFace(this->Mesh, other.block, other.face, { { other.s, other.t }, { other.s + 1, other.t + 1 } }, 2));
       });
       if (!this->sameBits(face))
       {
@@ -514,10 +514,10 @@ private:
       {
         const QuadAt at = this->quadOf(this->Result.faces[n].uses[0], 0, 0);
         const QuadAt other = this->Surface.quadAt(this->Links.partner(at));
-        throw ErrorAt(n, blockLabel(this->Mesh, at.block) + " " + faceLabel(at.face) + " and " +
-          blockLabel(this->Mesh, other.block) + " " + faceLabel(other.face) +
-          " meet, but both blocks lie on the same side of the contact (near " +
-          text(this->Mesh.blocks[at.block].points(this->Surface.corner(at, 0, 0))) + ")");
+        throw ErrorAt(n,
+          blockLabel(this->Mesh, at.block) + " " + faceLabel(at.face) + " and " + blockLabel(this->Mesh, other.block) +
+            " " + faceLabel(other.face) + " meet, but both blocks lie on the same side of the contact (near " +
+            text(this->Mesh.blocks[at.block].points(this->Surface.corner(at, 0, 0))) + ")");
       }
     }
   }
@@ -600,8 +600,8 @@ private:
       const int b = this->Result.blocks[face->uses[1].block].parent;
       if (near[a] && near[b])
       {
-        this->forEachSharedPoint(*face,
-          [&](const Ijk& p, const Ijk& q) { copies.unite(numbering.point(a, p), numbering.point(b, q)); });
+        this->forEachSharedPoint(
+          *face, [&](const Ijk& p, const Ijk& q) { copies.unite(numbering.point(a, p), numbering.point(b, q)); });
       }
     }
     const CopiedPoints coordinates(this->Mesh, this->Surface, numbering, copies, this->Ranks);

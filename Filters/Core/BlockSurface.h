@@ -78,8 +78,8 @@ private:
 
 /// What every surface quadrilateral meets: another one, the outer boundary, or nothing known yet.
 ///
-/// Most faces are of one piece: all undecided, one boundary, or a contact with one face in one way. They take no memory per
-/// quadrilateral.
+/// Most faces are of one piece: all undecided, one boundary, or a contact with one face in one way. They take no memory
+/// per quadrilateral.
 class Contacts
 {
 public:
@@ -128,8 +128,8 @@ private:
   static constexpr Index Undecided = std::numeric_limits<Index>::min();
   static constexpr Index Untagged = -1;
 
-  /// Links, which are partner and orientation code packed if >= 0: one for each quadrilateral, or, if that is empty, linear
-  /// in s and t.
+  /// Links, which are partner and orientation code packed if >= 0: one for each quadrilateral, or, if that is empty,
+  /// linear in s and t.
   struct Face
   {
     std::vector<Index> each;

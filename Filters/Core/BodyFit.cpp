@@ -525,14 +525,15 @@ public:
   void raise(const PointAt& point, const Displacement& displacement)
   {
     Grid& grid = this->Grids[this->Complex.blocks[point.block].parent];
-    const Index at = this->place(point);
-    Vec3& offset = grid.offsets->at(at, [](Index) { return Vec3(Vec3::Zero()); });
-    grid.weights.resize(grid.offsets->slots(), 0.0);
-    double& weight = grid.weights[grid.offsets->slot(at)];
-    if (Displacement{ weight, offset } < displacement)
+    const Index slot = grid.offsets->add(this->place(point), [](Index) { return unmoved(); });
+    if (slot >= static_cast<Index>(grid.weights.size()))
     {
-      weight = displacement.weight;
-      offset = displacement.offset;
+      grid.weights.resize(grid.offsets->slots(), 0.0);
+    }
+    if (Displacement{ grid.weights[slot], (*grid.offsets)[slot] } < displacement)
+    {
+      grid.weights[slot] = displacement.weight;
+      (*grid.offsets)[slot] = displacement.offset;
     }
   }
 
@@ -607,20 +608,16 @@ public:
       const Grid& grid = this->Grids[parent];
       ChangedPoints& points = *grid.offsets;
       const GridView before = pieces.front()->points;
-      const auto unmoved = [&](Index i) { return before.atOffset(i - before.start()); };
-      points.forEach([&](Index i, Vec3& offset) {
-        const Vec3 x = unmoved(i);
-        offset += x;
-        if (grid.weights[points.slot(i)] == 0.0)
-        {
-          offset = x; // keeps the sign of zeros
-        }
+      const auto given = [&](Index i) { return before.atOffset(i - before.start()); };
+      points.forEach([&](Index i, Index slot) {
+        const Vec3 x = given(i);
+        points[slot] = isUnmoved(points[slot]) ? x : Vec3(x + points[slot]);
       });
       for (Index i = 0; before.changes() && i < grid.size; ++i)
       {
         if (before.changes()->find(i))
         {
-          points.at(i, unmoved);
+          points.add(i, given);
         }
       }
       for (ComplexBlock* piece : pieces)
@@ -644,9 +641,12 @@ private:
   {
     Index size = 0;
     std::shared_ptr<ChangedPoints> offsets;
-    /// Per slot of `offsets`.
+    /// Per slot of `offsets`; 0 for points that do not move.
     std::vector<double> weights;
   };
+  /// Offset of points that share a page with others and do not move: not zero, which would change the sign of zeros.
+  static Vec3 unmoved() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
+  static bool isUnmoved(const Vec3& offset) { return std::isnan(offset[0]); }
 
   Index place(const PointAt& point) const
   {
@@ -724,10 +724,10 @@ private:
     for (const PointAt& copy : copies)
     {
       const Grid& grid = this->Grids[this->Complex.blocks[copy.block].parent];
-      const Vec3* offset = grid.offsets->find(this->place(copy));
-      if (offset)
+      const Index slot = grid.offsets->slot(this->place(copy));
+      if (slot >= 0)
       {
-        largest = std::max(largest, { grid.weights[grid.offsets->slot(this->place(copy))], *offset });
+        largest = std::max(largest, { grid.weights[slot], (*grid.offsets)[slot] });
       }
     }
     if (largest.weight == 0.0)

@@ -120,8 +120,8 @@ struct ConversionOptions
   bool wallOnly = false;
 };
 
-/// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller. Null for
-/// blocks of other ranks.
+/// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller. Null
+/// for blocks of other ranks.
 struct ControlNetStorage
 {
   double* points = nullptr;
@@ -145,8 +145,8 @@ struct ConversionReport
   std::array<double, 2> wallSpacing{ 2.0 / 3.0, 2.0 / 3.0 };
 };
 
-/// Converts every block. `nets` has one entry per block of the complex. Collective: every rank converts its own blocks and
-/// gets the report of all.
+/// Converts every block. `nets` has one entry per block of the complex. Collective: every rank converts its own blocks
+/// and gets the report of all.
 /// Shared control points are computed once, by the entity that owns them, from sums that do not depend on the order of
 /// their terms: results are the same bits for any numbering and orientation of the blocks, any distribution of them
 /// over ranks and any `run`.

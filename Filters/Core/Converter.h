@@ -42,8 +42,8 @@ constexpr int innerPosition(int meshIndex)
 }
 ///@}
 
-/// Each method computes the control points owned by one kind of entity and writes them into all blocks that share it, of
-/// those of this rank. Other ranks do the same, for theirs.
+/// Each method computes the control points owned by one kind of entity and writes them into all blocks of this rank that
+/// share it. Other ranks do the same for theirs.
 /// Different entities may be converted at the same time.
 class Converter
 {

@@ -68,7 +68,8 @@ std::vector<Plane> fitPlanes(
       ranks, parts.size(), [&](std::size_t i) { return ownerOfFace(complex, parts[i].face); },
       [&](std::size_t i) {
         auto value = start;
-        forFacePoints(complex, complex.faces[parts[i].face].uses.front(), [&](const Vec3& x) { add(value, parts[i].side, x); });
+        const FaceUse& use = complex.faces[parts[i].face].uses.front();
+        forFacePoints(complex, use, [&](const Vec3& x) { add(value, parts[i].side, x); });
         return value;
       });
     for (std::size_t i = 0; i < parts.size(); ++i)

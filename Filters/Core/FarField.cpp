@@ -220,12 +220,13 @@ private:
   bool pointsLieIn(const FaceUse& use, const Plane& plane) const
   {
     bool inside = true;
-    forFacePoints(this->Complex, use, [&](const Vec3& x) { inside = inside && std::abs(plane.height(x)) <= this->Tolerance; });
+    forFacePoints(
+      this->Complex, use, [&](const Vec3& x) { inside = inside && std::abs(plane.height(x)) <= this->Tolerance; });
     return inside;
   }
 
-  /// Planes through the corners of faces that lie in them: those of `faces` for which neither `known` nor an earlier one
-  /// will do. What they hold of all faces of the complex is found for many planes at once.
+  /// Planes through the corners of faces that lie in them: those of `faces` for which neither `known` nor an earlier
+  /// one will do. What they hold of all faces of the complex is found for many planes at once.
   std::vector<FacesInPlane> planesOf(std::vector<int> faces, const std::vector<FacesInPlane>& known = {})
   {
     const auto useOf = [&](int face) { return this->Complex.faces[face].uses.front(); };
@@ -317,7 +318,7 @@ private:
     return height;
   }
 
-  /// Turns the plane's normal away from the body. False if a corner of the body touches it, or they or a block cross it.
+  /// Turns the plane's normal away from the corners of the body. False if one touches it, or they or a block cross it.
   bool orient(Plane& plane) const
   {
     bool below = false, above = false, touches = false;

@@ -45,7 +45,8 @@ public:
     }
   }
 
-  /// Has the means over all ranks at its own points and those of `more` that any rank has. Collective.
+  /// Replaces the values by their means over all ranks, at its own points and at those of `more` that any rank has.
+  /// Collective.
   void agree(const std::vector<Coordinates>& more, const Ranks& ranks)
   {
     if (ranks.size() == 1)

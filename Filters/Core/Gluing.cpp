@@ -154,7 +154,7 @@ private:
       shareContacts(this->Result, before, known, this->Surface, this->Part, this->Ranks);
       single = this->undecided(known);
     };
-    this->mergeEqualPoints(known);
+    this->Ranks.together([&] { this->mergeEqualPoints(known); });
     pair();
     this->report(0.6);
     bool merged = false;
@@ -289,20 +289,22 @@ private:
       if (this->Part.isHere(contact.blockA) && !this->Part.isHere(contact.blockB))
       {
         // Tolerances need the points next to those of the contact.
-        wanted.push_back(pointsAtFace(this->Mesh, contact.blockB, contact.faceB, contact.rangeB(), bitsOnly ? 1 : 2,
-          bitsOnly ? 0 : 1));
+        wanted.push_back(pointsAtFace(
+          this->Mesh, contact.blockB, contact.faceB, contact.rangeB(), bitsOnly ? 1 : 2, bitsOnly ? 0 : 1));
       }
     }
     this->Part.fetch(wanted);
     std::vector<Comparison> results(contacts.size());
-    this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
-      {
-        if (this->Part.isHere(contacts[n].blockA))
+    this->Ranks.together([&] {
+      this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
+        for (Index n = begin; n < end; ++n)
         {
-          results[n] = this->compare(contacts[n], bitsOnly);
+          if (this->Part.isHere(contacts[n].blockA))
+          {
+            results[n] = this->compare(contacts[n], bitsOnly);
+          }
         }
-      }
+      });
     });
     this->Ranks.share(results, [&](Index n) { return this->Part.rankOf(contacts[n].blockA); });
     return results;
@@ -506,8 +508,8 @@ private:
       for (int c = 0; c < 8 && this->Part.isHere(b); ++c)
       {
         const Ijk& n = this->Surface.cells(b);
-        const Vec3 x = this->Mesh.blocks[b].points(
-          cornerSide(c, 0) * n[0], cornerSide(c, 1) * n[1], cornerSide(c, 2) * n[2]);
+        const Vec3 x =
+          this->Mesh.blocks[b].points(cornerSide(c, 0) * n[0], cornerSide(c, 1) * n[1], cornerSide(c, 2) * n[2]);
         std::copy(x.data(), x.data() + 3, &this->Corners[b][3 * c]);
       }
     }
@@ -753,9 +755,9 @@ private:
 
   /// Merges classes of points that are near each other, around quadrilaterals without a partner. True if any were.
   ///
-  /// Of classes with a point here all members and all near classes are known. Others may be known in part only; they are
-  /// merged with those alone. If nothing is refused on any rank, all that are merged are near each other, so that this is
-  /// enough to know all points of a class.
+  /// Of classes with a point here all members and all near classes are known. Others may be known in part only; they
+  /// are merged with those alone. If nothing is refused on any rank, all that are merged are near each other, so that
+  /// this is enough to know all points of a class.
   bool mergeNearPoints(const std::vector<Index>& quads, const std::vector<Index>& single)
   {
     std::vector<Index> points;
@@ -802,7 +804,8 @@ private:
         {
           int found = 0;
           tree.search(inflated(Box(x[n]), tolerance[n]), [&](Index m) {
-            if (m > n && (here[m] || here[n]) && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) && found < MostCopies)
+            if (m > n && (here[m] || here[n]) && (x[m] - x[n]).norm() <= std::min(tolerance[m], tolerance[n]) &&
+              found < MostCopies)
             {
               chunks[chunk].push_back({ n, m });
               ++found;
@@ -818,9 +821,8 @@ private:
       if (crowded[n])
       {
         throw ErrorAt(this->place(points[n]),
-          "ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) +
-          " points within " + text(tolerance[n]) + " of a point of " +
-          blockLabel(this->Mesh, this->Points->blockOfPoint(points[n])));
+          "ambiguous gluing near " + text(x[n]) + ": more than " + std::to_string(MostCopies) + " points within " +
+            text(tolerance[n]) + " of a point of " + blockLabel(this->Mesh, this->Points->blockOfPoint(points[n])));
       }
     }
 
@@ -875,9 +877,9 @@ private:
       {
         throw ErrorAt(this->place(points[n]),
           "ambiguous gluing near " + text(x[n]) + ": points of " +
-          blockLabel(this->Mesh, this->Points->blockOfPoint(points[root])) + " and " +
-          blockLabel(this->Mesh, this->Points->blockOfPoint(points[n])) + " form a chain of width " +
-          text(extent[root].diagonal().norm()) + ", allowed is " + text(smallest[root]));
+            blockLabel(this->Mesh, this->Points->blockOfPoint(points[root])) + " and " +
+            blockLabel(this->Mesh, this->Points->blockOfPoint(points[n])) + " form a chain of width " +
+            text(extent[root].diagonal().norm()) + ", allowed is " + text(smallest[root]));
       }
     }
   }

@@ -17,8 +17,8 @@ namespace bsv
 /// without a partner, those closer than BlockComplexOptions::matchTolerance times the shortest mesh edge at either);
 /// two quadrilaterals with the same four classes meet.
 ///
-/// Collective. Each rank searches the partners of its own quadrilaterals among all that are near them, of which it fetches
-/// those of other ranks; what it finds is gathered, so that all ranks return the same contacts.
+/// Collective. Each rank searches the partners of its own quadrilaterals among all that are near them, of which it
+/// fetches those of other ranks; what it finds is gathered, so that all ranks return the same contacts.
 ///
 /// @throws Error for declarations out of bounds, overlapping or not matching the coordinates; more than two
 /// quadrilaterals at one place; classes wider than the tolerance; collapsed quadrilaterals (unless allowed); and

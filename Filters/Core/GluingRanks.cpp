@@ -127,8 +127,8 @@ struct Patch
 };
 
 /// The decisions for the quadrilaterals that are here. A contact is told by the rank of the lower quadrilateral.
-std::vector<Patch> patches(const Contacts& contacts, const std::vector<Index>& quads, const SurfaceNumbering& surface,
-  const PartialMesh& mesh)
+std::vector<Patch> patches(
+  const Contacts& contacts, const std::vector<Index>& quads, const SurfaceNumbering& surface, const PartialMesh& mesh)
 {
   std::vector<Patch> rows;
   QuadAt at;
@@ -241,8 +241,8 @@ std::vector<Index> fetchNearQuads(PartialMesh& mesh, const SurfaceNumbering& sur
     boxes.emplace_back(Vec3(extent.lo.data()), Vec3(extent.hi.data()));
   }
 
-  // Each rank finds what others need of its faces: of each the smallest rectangle with all quadrilaterals whose inflated
-  // box meets that of a face of the other rank.
+  // Each rank finds what others need of its faces: of each the smallest rectangle with all quadrilaterals whose
+  // inflated box meets that of a face of the other rank.
   struct Offer
   {
     Index openFace;
@@ -343,8 +343,8 @@ void shareContacts(Contacts& contacts, const Contacts& before, const std::vector
         }
         else
         {
-          partner = surface.quadAt(
-            patch.row.partner + n * patch.rows.partnerStep + m * patch.row.partnerStep, partner.block);
+          partner =
+            surface.quadAt(patch.row.partner + n * patch.rows.partnerStep + m * patch.row.partnerStep, partner.block);
           contacts.setContact(at, partner, patch.orientation);
         }
       }

@@ -87,7 +87,8 @@ LocalStars::LocalStars(const BlockComplex& complex, const Ranks& ranks)
     std::vector<Sides> shared;
     const auto add = [&](bool here, const Sides& sides) {
       // Larger entities come first and cover those that they contain.
-      if (here && std::none_of(shared.begin(), shared.end(), [&](const Sides& other) { return contains(other, sides); }))
+      const auto covers = [&](const Sides& other) { return contains(other, sides); };
+      if (here && std::none_of(shared.begin(), shared.end(), covers))
       {
         shared.push_back(sides);
         wanted.push_back(pointsNear(block, b, sides));

@@ -218,16 +218,18 @@ void checkSizes(const BlockMesh& mesh, const Ranks& ranks)
     {
       if (block.points.counts()[d] < 2)
       {
-        throw ErrorAt(b, blockLabel(mesh, b) + " has " + std::to_string(block.points.counts()[d]) +
-          " points in direction " + "ijk"[d] + ", at least 2 are needed");
+        throw ErrorAt(b,
+          blockLabel(mesh, b) + " has " + std::to_string(block.points.counts()[d]) + " points in direction " +
+            "ijk"[d] + ", at least 2 are needed");
       }
     }
     const bool alone = ranks.size() == 1;
     if (block.points.isHere() != (alone || block.rank == ranks.rank()) ||
       (!alone && (block.rank < 0 || block.rank >= ranks.size())))
     {
-      throw ErrorAt(b, blockLabel(mesh, b) + " belongs to rank " + std::to_string(block.rank) + " of " +
-        std::to_string(ranks.size()) + ", where its points are not");
+      throw ErrorAt(b,
+        blockLabel(mesh, b) + " belongs to rank " + std::to_string(block.rank) + " of " + std::to_string(ranks.size()) +
+          ", where its points are not");
     }
     if (block.creaseSharpness.empty())
     {
@@ -235,8 +237,9 @@ void checkSizes(const BlockMesh& mesh, const Ranks& ranks)
     }
     if (static_cast<Index>(block.creaseSharpness.size()) != block.points.size())
     {
-      throw ErrorAt(b, blockLabel(mesh, b) + " has " + std::to_string(block.creaseSharpness.size()) +
-        " values of crease sharpness for " + std::to_string(block.points.size()) + " points");
+      throw ErrorAt(b,
+        blockLabel(mesh, b) + " has " + std::to_string(block.creaseSharpness.size()) +
+          " values of crease sharpness for " + std::to_string(block.points.size()) + " points");
     }
     for (Index n = 0; n < block.points.size(); ++n)
     {
@@ -246,9 +249,10 @@ void checkSizes(const BlockMesh& mesh, const Ranks& ranks)
         const Ijk& counts = block.points.counts();
         const Ijk at{ static_cast<int>(n % counts[0]), static_cast<int>(n / counts[0] % counts[1]),
           static_cast<int>(n / counts[0] / counts[1]) };
-        throw ErrorAt(b, blockLabel(mesh, b) + ", point " + text(at) + ": crease sharpness " + text(sharpness) +
-          " is neither 0 nor infinite (at least " + text(SharpnessInfinite) +
-          "); semi-sharp creases are not supported");
+        throw ErrorAt(b,
+          blockLabel(mesh, b) + ", point " + text(at) + ": crease sharpness " + text(sharpness) +
+            " is neither 0 nor infinite (at least " + text(SharpnessInfinite) +
+            "); semi-sharp creases are not supported");
       }
     }
   }
@@ -299,13 +303,15 @@ std::vector<CellCount> checkCells(const BlockMesh& mesh, bool allowDegenerate, c
       const Finding& found = findings[n];
       if (found.fault == Fault::NotFinite)
       {
-        throw ErrorAt(b, blockLabel(mesh, b) + ", point " + text(found.faultAt) + ": coordinates " +
-          text(mesh.blocks[b].points(found.faultAt)) + " are not finite");
+        throw ErrorAt(b,
+          blockLabel(mesh, b) + ", point " + text(found.faultAt) + ": coordinates " +
+            text(mesh.blocks[b].points(found.faultAt)) + " are not finite");
       }
       if (found.fault == Fault::Degenerate)
       {
-        throw ErrorAt(b, blockLabel(mesh, b) + ": cell " + text(found.faultAt) + " " + found.faultText + " (near " +
-          text(mesh.blocks[b].points(found.faultAt)) + "); collapsed cells are not allowed");
+        throw ErrorAt(b,
+          blockLabel(mesh, b) + ": cell " + text(found.faultAt) + " " + found.faultText + " (near " +
+            text(mesh.blocks[b].points(found.faultAt)) + "); collapsed cells are not allowed");
       }
       perBlock[b].volume += found.volume;
       for (int sign = Negative; sign <= Positive; ++sign)

@@ -35,8 +35,7 @@ void PartialMesh::fetch(const std::vector<PointBox>& wanted)
     [this](int block) -> GridView& { return this->Known.blocks[block].points; }, this->Others);
 }
 
-PointBox pointsAtFace(
-  const BlockMesh& mesh, int block, int face, const FaceRange& range, int layers, int margin)
+PointBox pointsAtFace(const BlockMesh& mesh, int block, int face, const FaceRange& range, int layers, int margin)
 {
   const Ijk& counts = mesh.blocks[block].points.counts();
   PointBox box;

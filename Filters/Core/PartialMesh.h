@@ -38,7 +38,6 @@ private:
 };
 
 /// The points of a face in `range`, extended by `margin` points on the face, in `layers` layers from the face inwards.
-PointBox pointsAtFace(
-  const BlockMesh& mesh, int block, int face, const FaceRange& range, int layers, int margin = 0);
+PointBox pointsAtFace(const BlockMesh& mesh, int block, int face, const FaceRange& range, int layers, int margin = 0);
 
 } // namespace bsv

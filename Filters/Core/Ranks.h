@@ -15,8 +15,8 @@
 namespace bsv
 {
 
-/// An error at a numbered place. Of the errors that several ranks throw in Ranks::together(), the one at the lowest place
-/// is thrown on all: the one that a process alone, which goes through all places in order, meets first.
+/// An error at a numbered place. Of the errors that several ranks throw in Ranks::together(), the one at the lowest
+/// place is thrown on all: the one that a process alone, which goes through all places in order, meets first.
 class ErrorAt : public Error
 {
 public:
@@ -113,8 +113,8 @@ public:
   }
   /// Whether it is true on any rank.
   bool any(bool mine) const;
-  /// Runs `body`, which communicates with no other rank. If it throws on any of them, one of the exceptions is thrown on
-  /// all, as Error or Aborted: that of the first rank, or of several ErrorAt the one at the lowest place.
+  /// Runs `body`, which communicates with no other rank. If it throws on any of them, one of the exceptions is thrown
+  /// on all, as Error or Aborted: that of the first rank, or of several ErrorAt the one at the lowest place.
   template <typename Body>
   void together(const Body& body) const
   {

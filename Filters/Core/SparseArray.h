@@ -6,8 +6,7 @@
 #include "Types.h"
 
 #include <algorithm>
-#include <array>
-#include <deque>
+#include <memory>
 #include <vector>
 
 namespace bsv
@@ -26,20 +25,21 @@ public:
   {
   }
 
-  bool empty() const { return this->Pages.empty(); }
   /// Number of elements that have memory.
-  Index slots() const { return PageSize * static_cast<Index>(this->Pages.size()); }
+  Index slots() const { return this->Slots; }
   /// Place of element i among them, or -1. It never changes.
   Index slot(Index i) const
   {
-    const std::int32_t page = this->Pages.empty() ? -1 : this->PageOf[i / PageSize];
+    const std::int32_t page = this->Slots == 0 ? -1 : this->PageOf[i / PageSize];
     return page < 0 ? -1 : PageSize * page + i % PageSize;
   }
+  const T& operator[](Index slot) const { return this->Chunks[slot / ChunkSize][slot % ChunkSize]; }
+  T& operator[](Index slot) { return this->Chunks[slot / ChunkSize][slot % ChunkSize]; }
   /// Element i, or null if it has no memory.
   const T* find(Index i) const
   {
     const Index slot = this->slot(i);
-    return slot < 0 ? nullptr : &this->Pages[slot / PageSize][slot % PageSize];
+    return slot < 0 ? nullptr : &(*this)[slot];
   }
   /// Number of elements from i on, at most `most`, that have no memory or follow each other in it.
   Index run(Index i, Index most) const
@@ -52,44 +52,53 @@ public:
     return std::min(end - i, most);
   }
 
-  /// Element i. All of its page become fill(index) if they have no memory yet.
+  /// Gives element i memory, and with it all of its page, which become fill(index), if they have none yet.
+  /// @return its slot.
   template <typename Fill>
-  T& at(Index i, const Fill& fill)
+  Index add(Index i, const Fill& fill)
   {
-    this->PageOf.resize((this->Size + PageSize - 1) / PageSize, -1);
-    std::int32_t& page = this->PageOf[i / PageSize];
-    if (page < 0)
+    const Index known = this->slot(i);
+    if (known >= 0)
     {
-      page = static_cast<std::int32_t>(this->Pages.size());
-      this->Pages.emplace_back();
-      const Index first = i / PageSize * PageSize;
-      for (Index at = first; at < std::min(first + PageSize, this->Size); ++at)
-      {
-        this->Pages.back()[at - first] = fill(at);
-      }
+      return known;
     }
-    return this->Pages[page][i % PageSize];
+    this->PageOf.resize((this->Size + PageSize - 1) / PageSize, -1);
+    this->PageOf[i / PageSize] = static_cast<std::int32_t>(this->Slots / PageSize);
+    if (this->Slots % ChunkSize == 0)
+    {
+      this->Chunks.emplace_back(new T[ChunkSize]);
+    }
+    this->Slots += PageSize;
+    const Index first = i / PageSize * PageSize;
+    for (Index at = first; at < std::min(first + PageSize, this->Size); ++at)
+    {
+      (*this)[this->slot(at)] = fill(at);
+    }
+    return this->slot(i);
   }
 
-  /// Calls visit(i, element) for all elements that have memory.
+  /// Calls visit(i, slot) for all elements that have memory.
   template <typename Visit>
-  void forEach(const Visit& visit)
+  void forEach(const Visit& visit) const
   {
     for (std::size_t p = 0; p < this->PageOf.size(); ++p)
     {
       const Index first = static_cast<Index>(p) * PageSize;
       for (Index i = first; this->PageOf[p] >= 0 && i < std::min(first + PageSize, this->Size); ++i)
       {
-        visit(i, this->Pages[this->PageOf[p]][i - first]);
+        visit(i, PageSize * this->PageOf[p] + i - first);
       }
     }
   }
 
 private:
+  static constexpr Index ChunkSize = 32 * PageSize;
+
   Index Size;
-  /// Place in Pages, or -1; empty as long as all are.
+  Index Slots = 0;
+  /// Number of a page among those that have memory, or -1; empty as long as all are.
   std::vector<std::int32_t> PageOf;
-  std::deque<std::array<T, PageSize>> Pages;
+  std::vector<std::unique_ptr<T[]>> Chunks;
 };
 
 } // namespace bsv

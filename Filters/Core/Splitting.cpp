@@ -191,8 +191,8 @@ private:
   /// A face that is folded onto itself is cut along the fold, so that no piece of a face meets itself.
   void seedFold(const QuadAt& at, int axis, const QuadAt& partner)
   {
-    if (partner.block != at.block || partner.face != at.face ||
-      std::abs(partner.s - at.s) > 1 || std::abs(partner.t - at.t) > 1)
+    if (partner.block != at.block || partner.face != at.face || std::abs(partner.s - at.s) > 1 ||
+      std::abs(partner.t - at.t) > 1)
     {
       return;
     }
@@ -412,8 +412,8 @@ private:
     });
   }
 
-  /// Calls visit(edge of a boundary quadrilateral, the other one, the other's number) for all edges between two of which
-  /// the first is here and has the lower number.
+  /// Calls visit(edge of a boundary quadrilateral, the other one, the other's number) for all edges between two of
+  /// which the first is here and has the lower number.
   template <typename Visit>
   void forEachBoundaryEdge(const Visit& visit) const
   {
@@ -487,8 +487,7 @@ private:
       return this->normal(at);
     }
     const std::vector<Index>& quads = this->Wanted[block.rank];
-    const Normal& n =
-      this->Normals[block.rank][std::lower_bound(quads.begin(), quads.end(), quad) - quads.begin()];
+    const Normal& n = this->Normals[block.rank][std::lower_bound(quads.begin(), quads.end(), quad) - quads.begin()];
     return Vec3(n[0], n[1], n[2]);
   }
 

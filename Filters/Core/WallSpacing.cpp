@@ -577,7 +577,7 @@ private:
   struct Counter
   {
     int rank;
-    Index line;
+    Index vertex;
     double distance;
     FaceUse use; ///< the block where it is, entered by this face at (s, t)
     int s, t;
@@ -589,12 +589,13 @@ private:
   };
 
   /// A counter behind the first two spans, which are measured on the curve.
-  Counter counterAt(FaceUse use, int s, int t, double distance, Index line) const
+  Counter counterAt(FaceUse use, int s, int t, Index vertex) const
   {
+    const double distance = this->Result.layers[vertex].thickness;
     const double perSpan = std::ldexp(1.0, this->Options.level);
     const Column column = this->column(use, s, t);
     const int own = std::min(2, column.cells);
-    Counter counter{ this->Run.ranks->rank(), line, distance, use, s, t, own, 0, 0.0, own * perSpan, false };
+    Counter counter{ this->Run.ranks->rank(), vertex, distance, use, s, t, own, 0, 0.0, own * perSpan, false };
     const double step = 1.0 / perSpan;
     Vec3 x = column.points[0];
     for (int i = 1; i <= own * (1 << this->Options.level); ++i)
@@ -653,8 +654,19 @@ private:
     const Ranks& ranks = *this->Run.ranks;
     WallSpacingResult& result = this->Result;
     result.cells.assign(result.points.size(), Infinity);
-    std::vector<Index> vertices; // of all lines
-    std::vector<Counter> here;
+    std::vector<std::vector<Counter>> toRank(ranks.size());
+    const auto move = [&](Counter counter) {
+      this->advance(counter);
+      const int next = counter.done ? counter.rank : this->Complex.blocks[counter.use.block].rank;
+      if (next == ranks.rank())
+      {
+        result.cells[counter.vertex] = std::min(result.cells[counter.vertex], counter.cells);
+      }
+      else
+      {
+        toRank[next].push_back(counter);
+      }
+    };
     ranks.together([&] {
       for (const WallSpacingResult::Side& side : result.sides)
       {
@@ -662,39 +674,20 @@ private:
         const int ns = this->cells(use, 0) + 1;
         for (std::size_t i = 0; i < side.vertices.size(); ++i)
         {
-          const Index v = side.vertices[i];
-          here.push_back(this->counterAt(
-            use, int(i) % ns, int(i) / ns, result.layers[v].thickness, static_cast<Index>(vertices.size())));
-          vertices.push_back(v);
+          move(this->counterAt(use, int(i) % ns, int(i) / ns, side.vertices[i]));
         }
       }
     });
-    while (ranks.any(!here.empty()))
+    while (ranks.any(std::any_of(toRank.begin(), toRank.end(), [](const auto& list) { return !list.empty(); })))
     {
-      std::vector<std::vector<Counter>> toRank(ranks.size());
+      const std::vector<std::vector<Counter>> received = ranks.exchange(toRank);
+      toRank.assign(ranks.size(), {});
       ranks.together([&] {
-        for (Counter& counter : here)
+        for (const std::vector<Counter>& list : received)
         {
-          this->advance(counter);
-          toRank[counter.done ? counter.rank : this->Complex.blocks[counter.use.block].rank].push_back(counter);
+          std::for_each(list.begin(), list.end(), move);
         }
       });
-      here.clear();
-      for (const std::vector<Counter>& part : ranks.exchange(toRank))
-      {
-        for (const Counter& counter : part)
-        {
-          if (counter.done)
-          {
-            double& cells = result.cells[vertices[counter.line]];
-            cells = std::min(cells, counter.cells);
-          }
-          else
-          {
-            here.push_back(counter);
-          }
-        }
-      }
     }
     this->agree(result.cells, std::less<double>());
   }

@@ -105,8 +105,7 @@ inline void expectOwnPoints(
       EXPECT_FALSE(block.points.has({ 0, 0, 0 }));
       continue;
     }
-    const void* direct =
-      mesh.blocks[block.parent].points.box(block.offset, block.offset).address<double>(0, 0, 0);
+    const void* direct = mesh.blocks[block.parent].points.box(block.offset, block.offset).address<double>(0, 0, 0);
     EXPECT_EQ(expected.points.address<double>(0, 0, 0) == direct, block.points.address<double>(0, 0, 0) == direct);
     EXPECT_EQ(expected.points.isFloat(), block.points.isFloat());
     bool same = true;

@@ -66,8 +66,8 @@ MeshCase latticeBlocks(const std::vector<std::pair<Ijk, Ijk>>& boxes, const Map&
 /// The box of `cells` lattice cells, cut at the given inner positions of each direction.
 MeshCase cutBox(const Ijk& cells, const std::array<std::vector<int>, 3>& cuts = {}, const Map& map = {});
 
-/// Random boxes of a small lattice that do not overlap: partial contacts, one-cell blocks, re-entrant edges, blocks that
-/// touch along an edge or at a corner only, and some creases.
+/// Random boxes of a small lattice that do not overlap: partial contacts, one-cell blocks, re-entrant edges, blocks
+/// that touch along an edge or at a corner only, and some creases.
 MeshCase randomBoxes(unsigned seed);
 
 /// Three boxes of cells^3 around a re-entrant edge, meeting in two faces.

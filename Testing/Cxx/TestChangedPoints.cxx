@@ -64,7 +64,7 @@ TEST(ChangedPoints, ViewsShowThemInPlaceOfTheStoredOnes)
     for (int n = 0; n < 60; ++n)
     {
       const Index at = random() % stored.size();
-      expected[at] = changes.at(at, before) = Vec3(n, 2 * n, 3 * n);
+      expected[at] = changes[changes.add(at, before)] = Vec3(n, 2 * n, 3 * n);
     }
     const GridView whole = stored.changed(&changes);
     const std::array<int, 3> first{ 2, 1, 1 }, last{ 35, 3, 3 };

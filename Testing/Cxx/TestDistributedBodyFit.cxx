@@ -71,8 +71,7 @@ MeshCase starStacks(int cells, int layers)
 
 std::shared_ptr<BodySurface> starBody()
 {
-  static const auto body =
-    std::make_shared<BodySurface>(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  static const auto body = std::make_shared<BodySurface>(bodycases::starPatches(Eigen::Matrix3d::Identity()));
   return body;
 }
 
@@ -147,8 +146,9 @@ FitCase cut()
 /// Eight blocks around a point, one of them on the wall: the others share a face, an edge or a vertex with it.
 FitCase corner()
 {
-  FitCase result("wall of one block of eight", meshcases::cutBox({ 6, 6, 6 }, { { { 3 }, { 3 }, { 3 } } },
-                                                 [](const Vec3& x) { return meshcases::wavy(0.5 * x); }));
+  FitCase result("wall of one block of eight",
+    meshcases::cutBox(
+      { 6, 6, 6 }, { { { 3 }, { 3 }, { 3 } } }, [](const Vec3& x) { return meshcases::wavy(0.5 * x); }));
   for (int b = 0; b < 8; ++b)
   {
     if (result.mesh->blocks[b].at({ 0, 0, 0 }) == meshcases::wavy(Vec3::Zero()))

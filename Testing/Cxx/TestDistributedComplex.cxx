@@ -26,7 +26,8 @@ int pick(int first, int last, Random& random)
 /// Boxes that fill a box of the lattice and meet in parts of their faces.
 std::vector<std::pair<Ijk, Ijk>> randomBoxes(Random& random)
 {
-  std::vector<std::pair<Ijk, Ijk>> boxes{ { { 0, 0, 0 }, { pick(2, 6, random), pick(2, 6, random), pick(2, 6, random) } } };
+  std::vector<std::pair<Ijk, Ijk>> boxes{ { { 0, 0, 0 },
+    { pick(2, 6, random), pick(2, 6, random), pick(2, 6, random) } } };
   for (int n = pick(1, 8, random); n > 0; --n)
   {
     const std::size_t box = pick(0, static_cast<int>(boxes.size()) - 1, random);
@@ -51,8 +52,7 @@ MeshCase randomMesh(Random& random)
     case 1:
       mesh = pick(0, 1, random) ? cGrid(3, pick(0, 2, random) * 2, 2, 2) : closedShell({ 6, 5, 2 });
       break;
-    default:
-    {
+    default: {
       auto boxes = randomBoxes(random);
       // Sometimes with holes.
       boxes.resize(boxes.size() - (boxes.size() > 2 ? pick(0, 1, random) : 0));
@@ -132,8 +132,7 @@ TEST(DistributedComplex, IsTheOneMadeAlone)
     options.creaseAngle = pick(0, 1, random) ? 180.0 : 60.0;
     options.allowDegenerate = pick(0, 4, random) == 0;
     const int size = pick(1, 5, random);
-    bsvtest::expectSameOnRanks(
-      mesh.mesh(), options, bsvtest::randomRanks(mesh.blocks.size(), size, random), size);
+    bsvtest::expectSameOnRanks(mesh.mesh(), options, bsvtest::randomRanks(mesh.blocks.size(), size, random), size);
   }
 }
 
@@ -147,6 +146,26 @@ TEST(DistributedComplex, RefusesWhatIsRefusedAlone)
     spoil(mesh, random);
     const int size = pick(1, 5, random);
     bsvtest::expectSameOnRanks(mesh.mesh(), {}, bsvtest::randomRanks(mesh.blocks.size(), size, random), size);
+  }
+}
+
+/// Corners of A, B and C are a row of near points, of which B's is one with A's. It is not one with C's, because D,
+/// which is too far from A to be known on its rank, has a copy of that and is fine.
+TEST(DistributedComplex, KnowsWhatIsNotNearAPointOfAnotherRank)
+{
+  MeshCase mesh;
+  const auto cube = [&](const Vec3& corner, const Vec3& size) {
+    mesh.add({ 1, 1, 1 }, [&](const Ijk& p) -> Vec3 { return corner + size.cwiseProduct(Vec3(p[0], p[1], p[2])); });
+  };
+  cube({ 0.0, 0.0, 0.0 }, { 1.0, 0.97, 1.0 });
+  cube({ 1.0, 1.0, 1.0 }, { 1.0, 1.0, 1.0 });
+  cube({ 0.0, 1.04, 0.0 }, { 1.0, 1.0, 1.0 });
+  cube({ 1.0, 1.04, 1.0 }, { 0.2, 0.2, 0.2 });
+  // A and B have a corner in common, C and D another one.
+  EXPECT_NO_THROW(buildBlockComplex(mesh.mesh()));
+  for (int ranks = 0; ranks < 16; ++ranks)
+  {
+    bsvtest::expectSameOnRanks(mesh.mesh(), {}, { ranks & 1, ranks >> 1 & 1, ranks >> 2 & 1, ranks >> 3 }, 2);
   }
 }
 

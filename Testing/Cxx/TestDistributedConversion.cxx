@@ -150,8 +150,8 @@ void expectSerialBits(const Case& test, const Converted& serial, const std::vect
   EXPECT_EQ(errors, std::vector<std::string>(ranks));
 }
 
-/// Random distributions over 2 to 5 ranks, each block on its own rank where that is not too many, and one where the first
-/// rank has none.
+/// Random distributions over 2 to 5 ranks, each block on its own rank where that is not too many, and one where the
+/// first rank has none.
 /// @return the serial result.
 Converted expectSerialBits(Case test, unsigned distributions)
 {
@@ -204,12 +204,12 @@ ConversionOptions withRoles(std::vector<BoundaryRole> roles)
   return options;
 }
 
-/// Names the faces `face` of the blocks from `first` on.
-MeshCase named(MeshCase mesh, int face, const std::string& name, int first = 0, int step = 1)
+/// Names the faces `face` of all blocks.
+MeshCase named(MeshCase mesh, int face, const std::string& name)
 {
   const int tag = static_cast<int>(mesh.boundaryNames.size());
   mesh.boundaryNames.push_back(name);
-  for (int b = first; b < static_cast<int>(mesh.blocks.size()); b += step)
+  for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
   {
     const Ijk cells = mesh.blocks[b].cells();
     mesh.boundaries.push_back({ b, face, { { 0, 0 }, { cells[faceAxis(face, 0)], cells[faceAxis(face, 1)] } }, tag });
@@ -246,10 +246,11 @@ MeshCase sphereShells(int cells, const std::vector<std::vector<double>>& radii)
 /// Blocks over a plate z = 0 in two halves that are named "left" and "right", in layers of blocks.
 MeshCase plate(int cells, const std::vector<int>& cutsInK)
 {
-  MeshCase mesh = meshcases::cutBox({ 2 * cells, 2 * cells, 6 }, { { { cells }, { cells }, cutsInK } }, [](const Vec3& x) {
+  const auto map = [](const Vec3& x) {
     return Vec3(x[0] + 0.05 * std::sin(x[1] + x[2]), x[1] + 0.04 * x[0] * x[2],
       0.1 * (std::exp((0.3 + 0.02 * x[0] + 0.01 * x[1]) * x[2]) - 1.0));
-  });
+  };
+  MeshCase mesh = meshcases::cutBox({ 2 * cells, 2 * cells, 6 }, { { { cells }, { cells }, cutsInK } }, map);
   mesh.boundaryNames = { "left", "right" };
   for (int b = 0; b < 4; ++b)
   {
@@ -258,7 +259,7 @@ MeshCase plate(int cells, const std::vector<int>& cutsInK)
   return mesh;
 }
 
-/// A box of three by three by three columns on whose top a crease runs over two blocks, with thin layers below it.
+/// A box, cut at i = 3 and at the given k, on whose top a crease runs over both blocks, with thin layers below it.
 MeshCase ridge(const std::vector<int>& cutsInK)
 {
   MeshCase mesh = meshcases::cutBox({ 6, 4, 6 }, { { { 3 }, {}, cutsInK } }, [](const Vec3& x) {
@@ -418,9 +419,11 @@ TEST(DistributedConversion, FarFieldExtension)
   };
   MeshCase mesh = meshcases::extendedCuboid(3, 3, 1.5, 1.1);
   mesh.apply(bend);
-  for (const FarFieldSpacing spacing : { FarFieldSpacing::Off, FarFieldSpacing::SideAverage, FarFieldSpacing::PerVertex })
+  for (const FarFieldSpacing spacing :
+    { FarFieldSpacing::Off, FarFieldSpacing::SideAverage, FarFieldSpacing::PerVertex })
   {
-    Case test("extension", mesh, withRoles({ BoundaryRole::Body, BoundaryRole::Symmetry }));
+    const ConversionOptions options = withRoles({ BoundaryRole::Body, BoundaryRole::Symmetry });
+    Case test("extension", mesh, options);
     test.options.farFieldSpacing = spacing;
     test.options.automaticWallSpacing = true;
     EXPECT_EQ(expectSerialBits(test, 4).report.extensionDistances.size(), spacing == FarFieldSpacing::Off ? 0u : 5u);
@@ -432,7 +435,7 @@ TEST(DistributedConversion, FarFieldExtension)
     expectSerialBits(test, 2);
 
     // A first cell that is too small for the distance: places are counted.
-    Case close("close", meshcases::extendedCuboid(2, 2, 0.2), withRoles({ BoundaryRole::Body, BoundaryRole::Symmetry }));
+    Case close("close", meshcases::extendedCuboid(2, 2, 0.2), options);
     close.options.farFieldSpacing = spacing;
     EXPECT_EQ(expectSerialBits(close, 2).report.limitedDistances > 0, spacing != FarFieldSpacing::Off);
   }
@@ -655,9 +658,9 @@ TEST(DistributedConversion, TrafficGrowsLikeTheSharedSurface)
   {
     const double layers = 2.0 * 24.0 * (n + 1) * (n + 1);
     const double bytes = received(n);
-    std::printf("two cubes of %d^3 cells: a rank received %.0f bytes, two layers of points are %.0f\n", n, bytes, layers);
+    std::printf("two cubes of %d^3 cells: a rank received %.0f bytes, two layers are %.0f\n", n, bytes, layers);
     EXPECT_GE(bytes, layers);
-    // What comes on top does not grow with the surface: flags per entity of the complex, 24 vertices, 20 edges, 11 faces.
+    // What comes on top does not grow with the surface: numbers per vertex (12), edge (20) and face (11).
     EXPECT_LE(bytes, layers + 4096.0);
   }
 }

@@ -65,8 +65,9 @@ std::string bytesOf(vtkStructuredGrid* grid)
 {
   Ijk counts;
   grid->GetDimensions(counts.data());
-  return std::string(reinterpret_cast<const char*>(counts.data()), sizeof(counts)) + bytesOf(grid->GetPoints()->GetData()) + bytesOf(grid->GetPointData()) +
-    bytesOf(grid->GetCellData()) + bytesOf(grid->GetFieldData());
+  const std::string size(reinterpret_cast<const char*>(counts.data()), sizeof(counts));
+  return size + bytesOf(grid->GetPoints()->GetData()) + bytesOf(grid->GetPointData()) + bytesOf(grid->GetCellData()) +
+    bytesOf(grid->GetFieldData());
 }
 
 /// A data set per block, empty if it is elsewhere, and what every piece must have.
@@ -85,8 +86,9 @@ Output outputOf(vtkAlgorithm* algorithm)
   {
     output.common += std::string(data->GetMetaData(b)->Get(vtkCompositeDataSet::NAME())) + "\n";
     EXPECT_LE(data->GetNumberOfPartitions(b), 1u);
-    auto* grid = data->GetNumberOfPartitions(b) == 1 ? vtkStructuredGrid::SafeDownCast(data->GetPartition(b, 0)) : nullptr;
-    EXPECT_EQ(grid != nullptr, data->GetNumberOfPartitions(b) == 1);
+    const bool isHere = data->GetNumberOfPartitions(b) == 1;
+    auto* grid = isHere ? vtkStructuredGrid::SafeDownCast(data->GetPartition(b, 0)) : nullptr;
+    EXPECT_EQ(grid != nullptr, isHere);
     output.blocks.push_back(grid ? bytesOf(grid) : "");
     output.points.push_back(grid ? grid->GetNumberOfPoints() : 0);
   }
@@ -172,7 +174,7 @@ bsv::QuadflowCase quadflowCase(const bsvtest::Volumes& volumes)
   return bsv::makeQuadflowCase(input);
 }
 
-/// The volumes as a GoTools file, with a circle between the first two that a reader of volumes leaves out.
+/// The volumes as a GoTools file.
 std::string g2(const bsvtest::Volumes& volumes)
 {
   std::ostringstream text;

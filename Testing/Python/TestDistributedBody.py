@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The deviation from the body of a volume whose blocks are shared out over the ranks is that of one process alone.
+"""Blocks are shared out over the ranks: the wall fitted to the body, and its deviation, are those of one process alone.
 
     mpiexec -n 3 pvbatch --sym TestDistributedBody.py
 """
@@ -97,6 +97,47 @@ def test_any_distribution():
         if here:
             assert rows(here, BODY_ARRAYS) == rows(tessellation, BODY_ARRAYS)
             assert all(field(here, name) == field(tessellation, name) for name in TOTALS)
+
+
+def fitted(mesh, surface):
+    convert = bsplinevolume.vtkCatmullClarkToBSplineVolume()
+    convert.SetInputPoints(convert.ON_BODY)
+    convert.SetInputDataObject(0, mesh)
+    convert.SetInputDataObject(1, surface)
+    convert.Update()
+    return convert, convert.GetOutputDataObject(0)
+
+
+def test_fitted_wall():
+    """The wall is moved to the body before the conversion; the points that move lie in blocks of all ranks."""
+    rank, size = controller().GetLocalProcessId(), controller().GetNumberOfProcesses()
+    mesh = shell(scale=1.01)
+    with alone():
+        surface = body()
+        _, expected = fitted(mesh, surface)
+    convert, found = fitted(only(mesh, lambda b: b % size == rank),
+                            surface if rank == size - 1 else only(surface, lambda b: False))
+    assert "taken as OnBody" in convert.GetReport() and "wall fitted in" in convert.GetReport()
+    for b, (here, whole) in enumerate(zip(blocks(found), blocks(expected))):
+        assert (here is not None) == (b % size == rank)
+        if here:
+            assert bytes(memoryview(coordinates(here))) == bytes(memoryview(coordinates(whole)))
+
+
+def test_an_error_ends_on_all_ranks():
+    """A body without patches, which all learn from each other: one message, on the first rank."""
+    rank = controller().GetLocalProcessId()
+    with alone():
+        net, surface = volume(), body()
+    measure = bsplinevolume.vtkBodyDeviation()
+    measure.SetInputDataObject(0, net)
+    measure.SetInputDataObject(1, only(surface, lambda b: False))
+    errors = []
+    measure.AddObserver("ErrorEvent", lambda *_: errors.append(1))
+    measure.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+    measure.Update()
+    assert len(errors) == (1 if rank == 0 else 0)
+    assert measure.GetOutputDataObject(0).GetNumberOfPartitionedDataSets() == 0
 
 
 if __name__ == "__main__":

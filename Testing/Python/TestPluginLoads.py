@@ -18,6 +18,8 @@ def test_number_of_ranks():
 def test_chain():
     volume = simple.CatmullClarkToBSplineVolume(Input=demo_mesh(4))
     net, _ = update(volume)
+    volume.SMProxy.UpdatePropertyInformation()
+    assert (volume.SMProxy.GetProperty("ReceivedBytes").GetElement(0) > 0) == (RANKS > 1)
     count = net.GetNumberOfPartitionedDataSets()
     assert count >= 11
     assert total(sum(block is not None for block in blocks(net))) == count
