@@ -510,7 +510,7 @@ void BezierExtraction::shareGroups(const std::vector<Interface>& contacts, Union
   struct Border
   {
     int rank;
-    std::vector<Index> points; ///< here
+    std::vector<Index> groups; ///< places in `known`
   };
   const int size = this->Rational ? 4 : 3;
 
@@ -525,7 +525,9 @@ void BezierExtraction::shareGroups(const std::vector<Interface>& contacts, Union
     }
   }
   std::vector<Border> borders;
-  std::map<Index, Group> known; // by the first point here
+  std::vector<Group> known;
+  std::vector<Index> firstPoint; // here, per known group
+  std::vector<Index> placeOf(static_cast<std::size_t>(this->SurfacePoints), -1);
   const FaceValues fetched = this->fetchFaces(pairs, ranks);
   for (std::size_t n = 0; n < pairs.size(); ++n)
   {
@@ -539,8 +541,14 @@ void BezierExtraction::shareGroups(const std::vector<Interface>& contacts, Union
       if (this->equal(this->valueAt(a, s, t, fetched), a.block, this->valueAt(b, m[0], m[1], fetched), b.block))
       {
         const Index point = this->isHere(a.block) ? this->surfacePoint(a, s, t) : this->surfacePoint(b, m[0], m[1]);
-        borders.back().points.push_back(point);
-        known[groups.find(point)];
+        Index& place = placeOf[groups.find(point)];
+        if (place < 0)
+        {
+          place = static_cast<Index>(known.size());
+          known.emplace_back();
+          firstPoint.push_back(groups.find(point));
+        }
+        borders.back().groups.push_back(place);
       }
       return true;
     });
@@ -551,13 +559,13 @@ void BezierExtraction::shareGroups(const std::vector<Interface>& contacts, Union
     const Index points = this->isHere(block) ? this->Surface.firstPoint(block + 1) - first : 0;
     for (Index i = 0; i < points; ++i)
     {
-      const auto found = known.find(groups.find(this->Start[block] + i));
-      if (found != known.end())
+      const Index place = placeOf[groups.find(this->Start[block] + i)];
+      if (place >= 0)
       {
         Group own;
         std::copy_n(this->SurfaceValues.data() + size * (this->Start[block] + i), size, own.value.data());
         own.origin = own.first = first + i;
-        found->second.offer(own);
+        known[place].offer(own);
       }
     }
   }
@@ -568,9 +576,9 @@ void BezierExtraction::shareGroups(const std::vector<Interface>& contacts, Union
     std::vector<std::vector<Group>> toRank(ranks.size());
     for (const Border& border : borders)
     {
-      for (const Index point : border.points)
+      for (const Index place : border.groups)
       {
-        toRank[border.rank].push_back(known[groups.find(point)]);
+        toRank[border.rank].push_back(known[place]);
       }
     }
     const std::vector<std::vector<Group>> received = ranks.exchange(toRank);
@@ -578,20 +586,24 @@ void BezierExtraction::shareGroups(const std::vector<Interface>& contacts, Union
     news = false;
     for (const Border& border : borders)
     {
-      for (const Index point : border.points)
+      for (const Index place : border.groups)
       {
-        news = known[groups.find(point)].offer(received[border.rank][next[border.rank]++]) || news;
+        news = known[place].offer(received[border.rank][next[border.rank]++]) || news;
       }
     }
   }
-  std::map<Index, Index> firstHere;
-  for (const auto& [point, group] : known)
+  std::vector<std::pair<Index, Index>> sameFirst; // first of all points, first point here
+  for (std::size_t n = 0; n < known.size(); ++n)
   {
-    std::copy_n(group.value.data(), size, this->SurfaceValues.data() + size * point);
-    const auto [entry, added] = firstHere.emplace(group.first, point);
-    if (!added)
+    std::copy_n(known[n].value.data(), size, this->SurfaceValues.data() + size * firstPoint[n]);
+    sameFirst.emplace_back(known[n].first, firstPoint[n]);
+  }
+  std::sort(sameFirst.begin(), sameFirst.end());
+  for (std::size_t n = 1; n < sameFirst.size(); ++n)
+  {
+    if (sameFirst[n].first == sameFirst[n - 1].first)
     {
-      groups.unite(entry->second, point);
+      groups.unite(sameFirst[n].second, sameFirst[n - 1].second);
     }
   }
 }
