@@ -19,30 +19,18 @@ template <typename T, typename OwnerOf, typename ValueOf>
 std::vector<T> gatherFromOwners(
   const Ranks& ranks, std::size_t count, const OwnerOf& ownerOf, const ValueOf& valueOf)
 {
-  std::vector<T> mine;
+  std::vector<T> values(count);
   ranks.together([&] {
     for (std::size_t i = 0; i < count; ++i)
     {
       if (ownerOf(i) == ranks.rank())
       {
-        mine.push_back(valueOf(i));
+        values[i] = valueOf(i);
       }
     }
   });
-  if (ranks.size() == 1)
-  {
-    return mine;
-  }
-  const std::vector<std::vector<T>> parts = ranks.gather(mine);
-  std::vector<std::size_t> next(parts.size(), 0);
-  std::vector<T> all;
-  all.reserve(count);
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    const int owner = ownerOf(i);
-    all.push_back(parts[owner][next[owner]++]);
-  }
-  return all;
+  ranks.share(values, ownerOf);
+  return values;
 }
 
 /// The same for values that are lists of any lengths.

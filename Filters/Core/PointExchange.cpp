@@ -112,7 +112,7 @@ std::vector<std::shared_ptr<PointBoxes>> fetchPoints(const std::vector<PointBox>
       }
     }
   }
-  const std::vector<std::vector<double>> points = ranks.exchange(replies);
+  std::vector<std::vector<double>> points = ranks.exchange(std::move(replies));
 
   std::vector<std::shared_ptr<PointBoxes>> memory(blockCount);
   for (int r = 0; r < ranks.size(); ++r)
@@ -126,6 +126,7 @@ std::vector<std::shared_ptr<PointBoxes>> fetchPoints(const std::vector<PointBox>
       boxes->add(box.lo, box.hi, { points[r].begin() + next, points[r].begin() + end });
       next = end;
     }
+    std::vector<double>().swap(points[r]);
   }
   for (int b = 0; b < blockCount; ++b)
   {

@@ -63,12 +63,13 @@ public:
   }
   /// toRank[r] goes to rank r; returns what came from each.
   template <typename T>
-  std::vector<std::vector<T>> exchange(const std::vector<std::vector<T>>& toRank) const
+  std::vector<std::vector<T>> exchange(std::vector<std::vector<T>> toRank) const
   {
     std::vector<Bytes> bytes;
-    for (const std::vector<T>& part : toRank)
+    for (std::vector<T>& part : toRank)
     {
       bytes.push_back(packed(part));
+      std::vector<T>().swap(part);
     }
     return this->unpacked<T>(this->counted(this->exchangeBytes(std::move(bytes))));
   }
@@ -147,16 +148,17 @@ private:
     return bytes;
   }
   template <typename T>
-  static std::vector<std::vector<T>> unpacked(const std::vector<Bytes>& parts)
+  static std::vector<std::vector<T>> unpacked(std::vector<Bytes> parts)
   {
     std::vector<std::vector<T>> result;
-    for (const Bytes& bytes : parts)
+    for (Bytes& bytes : parts)
     {
       result.emplace_back(bytes.size() / sizeof(T));
       if (!bytes.empty())
       {
         std::memcpy(static_cast<void*>(result.back().data()), bytes.data(), bytes.size());
       }
+      Bytes().swap(bytes);
     }
     return result;
   }
