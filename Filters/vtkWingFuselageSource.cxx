@@ -179,7 +179,8 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     {
       std::ostringstream text;
       text << "Resolution " << options.resolution << " is too low for Span " << options.shape.span
-           << " and Sweep Angle " << options.shape.sweepAngle << ": the smallest scaled Jacobian of the cells would be " << minimum;
+           << " and Sweep Angle " << options.shape.sweepAngle
+           << ": the smallest scaled Jacobian of the cells would be " << minimum;
       throw bsv::Error(text.str());
     }
 

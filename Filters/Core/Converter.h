@@ -130,7 +130,8 @@ private:
   Fan smoothSurfaceFan(Star& star, const Fan& fan, const std::vector<double>& weights,
     const std::vector<SpokeKeep>& keeps, bool body) const;
   bool bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const;
-  /// The foot of the centre of `points` on the body's patch whose normal is nearest to that of the sectors first..first + size - 1 of `points`.
+  /// The foot of the centre of `points` on the body's patch whose normal is nearest to that of `size` sectors of `points`
+  /// from `first` on.
   bool sectorFoot(const Fan& points, int first, int size, BodyFoot& foot) const;
   /// Fills GivenPoints and GivenNormals.
   void collectGiven();

@@ -5,9 +5,9 @@
     mpiexec -n <ranks> pvbatch --sym measure_ranks.py blocks <blocks per direction> <cells per direction of a block>
 
 wing: Wing Fuselage Source without its body; blocks: a curved box. Every rank makes the blocks that it has. Rank 0 prints one
-line of JSON: points, seconds of the source and of the fastest of three conversions (from when all ranks start until all have
-ended), and per rank the points, the bytes received from other ranks, the peak memory beyond what stays and the memory of the input;
-`result` is the same for equal bits of all control points and rules, whatever rank has them.
+line of JSON: points, seconds of the source and of the fastest of three conversions (from when all ranks start until all
+have ended), and per rank the points, the bytes received from other ranks, the peak memory beyond what stays and the
+memory of the input; `result` is the same for equal bits of all control points and rules, whatever rank has them.
 
 Set PYTHONPATH to the folder of the package bsplinevolume, and VTK_SMP_BACKEND_IN_USE and VTK_SMP_MAX_THREADS for threads.
 """

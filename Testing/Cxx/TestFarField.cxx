@@ -394,8 +394,8 @@ TEST(FarField, CellsGrowSmoothlyAcrossTheConnectionLayer)
       const Ratio with = cellRatio(average, level, most);
       const Ratio each = cellRatio(vertex, level, most);
       std::printf("extension's first cell %.2f times the last, level %d: mean (largest) ratio Off %.3f (%.3f), "
-                  "SideAverage %.3f (%.3f), PerVertex %.3f (%.3f); where R <= %.2f, %d of %d columns: Off %.3f, SideAverage %.3f, "
-                  "PerVertex %.3f\n",
+                  "SideAverage %.3f (%.3f), PerVertex %.3f (%.3f); where R <= %.2f, %d of %d columns: Off %.3f, "
+                  "SideAverage %.3f, PerVertex %.3f\n",
         step, level, without.mean, without.largest, with.mean, with.largest, each.mean, each.largest, most,
         each.allowedColumns, each.columns, without.allowed, with.allowed, each.allowed);
       EXPECT_LE(each.allowed, 1.2);
