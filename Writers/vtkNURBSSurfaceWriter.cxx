@@ -4,9 +4,9 @@
 #include "FilterExecution.h"
 #include "NURBSSurfaceData.h"
 #include "NURBSSurfaceFile.h"
+#include "WriteTogether.h"
 
 #include "vtkDataObject.h"
-#include "vtkErrorCode.h"
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
 
@@ -32,33 +32,12 @@ int vtkNURBSSurfaceWriter::FillInputPortInformation(int, vtkInformation* info)
 void vtkNURBSSurfaceWriter::WriteData()
 {
   const bsv::Execution run = bsv::filterExecution(this);
-  const bool first = run.ranks->rank() == 0;
-  if (this->FileName.empty())
-  {
-    if (first)
-    {
-      vtkErrorMacro("File Name is empty.");
-    }
-    this->SetErrorCode(vtkErrorCode::NoFileNameError);
-    return;
-  }
-  try
-  {
+  this->SetErrorCode(bsv::writeTogether(this, this->FileName, *run.ranks, [&] {
     // All ranks have the whole body then.
-    run.ranks->together([&] {
-      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(this->GetInput(), *run.ranks);
-      if (first)
-      {
-        bsv::writeNURBSSurfaceFile(patches, this->FileName);
-      }
-    });
-  }
-  catch (const std::exception& error)
-  {
-    if (first)
+    const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(this->GetInput(), *run.ranks);
+    if (run.ranks->rank() == 0)
     {
-      vtkErrorMacro(<< error.what());
+      bsv::writeNURBSSurfaceFile(patches, this->FileName);
     }
-    this->SetErrorCode(vtkErrorCode::CannotOpenFileError);
-  }
+  }));
 }

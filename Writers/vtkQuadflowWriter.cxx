@@ -4,9 +4,9 @@
 #include "BSplineVolumeData.h"
 #include "FilterExecution.h"
 #include "QuadflowFormat.h"
+#include "WriteTogether.h"
 
 #include "vtkDataObject.h"
-#include "vtkErrorCode.h"
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
 
@@ -63,52 +63,27 @@ int vtkQuadflowWriter::FillInputPortInformation(int, vtkInformation* info)
 void vtkQuadflowWriter::WriteData()
 {
   const bsv::Execution run = bsv::filterExecution(this);
-  const bool first = run.ranks->rank() == 0;
-  if (this->FileName.empty())
-  {
-    if (first)
+  this->SetErrorCode(bsv::writeTogether(this, this->FileName, *run.ranks, [&] {
+    bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(this->GetInput(), *run.ranks);
+    if (const int rational = blocks.firstRational(); rational >= 0)
     {
-      vtkErrorMacro("File Name is empty.");
+      throw bsv::Error(
+        blocks.label(rational) + " is rational (point data array 'Weights'), and .qfmb holds polynomials only");
     }
-    this->SetErrorCode(vtkErrorCode::NoFileNameError);
-    return;
-  }
-  try
-  {
-    run.ranks->together([&] {
-      bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(this->GetInput(), *run.ranks);
-      if (const int rational = blocks.firstRational(); rational >= 0)
-      {
-        throw bsv::Error(
-          blocks.label(rational) + " is rational (point data array 'Weights'), and .qfmb holds polynomials only");
-      }
-      bsv::QuadflowInput input;
-      input.volumes = std::move(blocks.volumes);
-      input.names = std::move(blocks.names);
-      input.rules = std::move(blocks.rules);
-      input.hasInterfaces = blocks.hasInterfaces;
-      input.interfaces = std::move(blocks.interfaces);
-      input.boundaries = std::move(blocks.boundaries);
-      input.boundaryNames = std::move(blocks.boundaryNames);
-      input.boundaryIds = this->BoundaryIds;
-      bsv::QuadflowOptions options;
-      options.indexBase = this->IndexBase;
-      options.unitKnots = this->KnotScaling == UNIT_KNOTS;
-      options.separateGeometry = this->SeparateGeometry;
-      options.binary = this->Binary;
-      bsv::writeQuadflow(bsv::makeQuadflowCase(input, run), this->FileName, options, run);
-    });
-  }
-  catch (const bsv::Aborted&)
-  {
-    this->SetErrorCode(vtkErrorCode::UserError);
-  }
-  catch (const std::exception& error)
-  {
-    if (first)
-    {
-      vtkErrorMacro(<< error.what());
-    }
-    this->SetErrorCode(vtkErrorCode::CannotOpenFileError);
-  }
+    bsv::QuadflowInput input;
+    input.volumes = std::move(blocks.volumes);
+    input.names = std::move(blocks.names);
+    input.rules = std::move(blocks.rules);
+    input.hasInterfaces = blocks.hasInterfaces;
+    input.interfaces = std::move(blocks.interfaces);
+    input.boundaries = std::move(blocks.boundaries);
+    input.boundaryNames = std::move(blocks.boundaryNames);
+    input.boundaryIds = this->BoundaryIds;
+    bsv::QuadflowOptions options;
+    options.indexBase = this->IndexBase;
+    options.unitKnots = this->KnotScaling == UNIT_KNOTS;
+    options.separateGeometry = this->SeparateGeometry;
+    options.binary = this->Binary;
+    bsv::writeQuadflow(bsv::makeQuadflowCase(input, run), this->FileName, options, run);
+  }));
 }
