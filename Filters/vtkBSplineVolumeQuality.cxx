@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeQuality.h"
 
-#include "BSplineVolumeData.h"
-#include "FilterExecution.h"
-#include "HexBlockData.h"
-#include "JacobianBounds.h"
-#include "Sampling.h"
-#include "SpanShape.h"
-#include "VolumeInterfaces.h"
+#include "Data/BSplineVolumeData.h"
+#include "Execution/FilterExecution.h"
+#include "Data/HexBlockData.h"
+#include "Quality/JacobianBounds.h"
+#include "Volume/Sampling.h"
+#include "Quality/SpanShape.h"
+#include "Volume/VolumeInterfaces.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeSampler.h"
 
-#include "BSplineVolumeData.h"
-#include "FilterExecution.h"
-#include "HexBlockData.h"
-#include "MemoryCheck.h"
-#include "Sampling.h"
+#include "Data/BSplineVolumeData.h"
+#include "Execution/FilterExecution.h"
+#include "Data/HexBlockData.h"
+#include "Execution/MemoryCheck.h"
+#include "Volume/Sampling.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeSmoothness.h"
 
-#include "BSplineVolumeData.h"
-#include "FilterExecution.h"
-#include "HexBlockData.h"
-#include "Smoothness.h"
-#include "VolumeInterfaces.h"
+#include "Data/BSplineVolumeData.h"
+#include "Execution/FilterExecution.h"
+#include "Data/HexBlockData.h"
+#include "Quality/Smoothness.h"
+#include "Volume/VolumeInterfaces.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeToBezier.h"
 
-#include "BSplineVolumeData.h"
-#include "BezierExtraction.h"
-#include "FilterExecution.h"
-#include "MemoryCheck.h"
+#include "Data/BSplineVolumeData.h"
+#include "Volume/BezierExtraction.h"
+#include "Execution/FilterExecution.h"
+#include "Execution/MemoryCheck.h"
 
 #include "vtkBezierHexahedron.h"
 #include "vtkBezierQuadrilateral.h"

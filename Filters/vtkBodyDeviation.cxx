@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBodyDeviation.h"
 
-#include "BSplineVolumeData.h"
-#include "ClosestPoint.h"
-#include "FilterExecution.h"
-#include "NURBSSurfaceData.h"
-#include "OwnedValues.h"
-#include "Sampling.h"
+#include "Data/BSplineVolumeData.h"
+#include "Body/ClosestPoint.h"
+#include "Execution/FilterExecution.h"
+#include "Data/NURBSSurfaceData.h"
+#include "Ranks/OwnedValues.h"
+#include "Volume/Sampling.h"
 
 #include "vtkCellArray.h"
 #include "vtkCompositeDataSet.h"

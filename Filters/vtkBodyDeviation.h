@@ -39,7 +39,7 @@
 #define vtkBodyDeviation_h
 
 #include "BSplineVolumeFiltersModule.h" // For export macro
-#include "BoundaryPatterns.h"           // For the names of the body
+#include "Data/BoundaryPatterns.h"           // For the names of the body
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 
 class BSPLINEVOLUMEFILTERS_EXPORT vtkBodyDeviation : public vtkPartitionedDataSetCollectionAlgorithm

@@ -47,7 +47,7 @@
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 #include "vtkSmartPointer.h" // For the counts
 
-#include "BoundaryPatterns.h" // For the names of the body
+#include "Data/BoundaryPatterns.h" // For the names of the body
 
 #include <array>  // For the selected faces
 #include <string> // For names

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkHexBlockTopology.h"
 
-#include "BlockComplex.h"
-#include "EntityClass.h"
-#include "FilterExecution.h"
-#include "HexBlockData.h"
-#include "Ranks.h"
+#include "Complex/BlockComplex.h"
+#include "Complex/EntityClass.h"
+#include "Execution/FilterExecution.h"
+#include "Data/HexBlockData.h"
+#include "Ranks/Ranks.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkWallSpacing.h"
 
-#include "BlockComplex.h"
-#include "FilterExecution.h"
-#include "HexBlockData.h"
-#include "Ranks.h"
-#include "WallSpacing.h"
+#include "Complex/BlockComplex.h"
+#include "Execution/FilterExecution.h"
+#include "Data/HexBlockData.h"
+#include "Ranks/Ranks.h"
+#include "Wall/WallSpacing.h"
 
 #include "vtkCellArray.h"
 #include "vtkDataObject.h"

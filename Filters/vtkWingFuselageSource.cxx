@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkWingFuselageSource.h"
 
-#include "HexBlockData.h"
-#include "MeshCheck.h"
-#include "NURBSSurfaceData.h"
-#include "PieceRequest.h"
-#include "WingFuselageMesh.h"
+#include "Data/HexBlockData.h"
+#include "Mesh/MeshCheck.h"
+#include "Data/NURBSSurfaceData.h"
+#include "Execution/PieceRequest.h"
+#include "WingFuselage/WingFuselageMesh.h"
 
 #include "vtkExecutive.h"
 #include "vtkInformationVector.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeReader.h"
 
-#include "BSplineVolumeData.h"
-#include "BSplineVolumeFile.h"
-#include "HexBlockData.h"
-#include "PieceRequest.h"
+#include "Data/BSplineVolumeData.h"
+#include "Formats/BSplineVolumeFile.h"
+#include "Data/HexBlockData.h"
+#include "Execution/PieceRequest.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkHexBlockMeshReader.h"
 
-#include "CGNSZones.h"
-#include "HexBlockData.h"
-#include "NeutralMapFile.h"
-#include "PieceRequest.h"
-#include "Plot3DFile.h"
+#include "Formats/CGNSZones.h"
+#include "Data/HexBlockData.h"
+#include "Formats/NeutralMapFile.h"
+#include "Execution/PieceRequest.h"
+#include "Formats/Plot3DFile.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSSurfaceReader.h"
 
-#include "NURBSFile.h"
-#include "NURBSSurfaceData.h"
-#include "PieceRequest.h"
+#include "Formats/NURBSFile.h"
+#include "Data/NURBSSurfaceData.h"
+#include "Execution/PieceRequest.h"
 
 #include "vtkErrorCode.h"
 #include "vtkFieldData.h"

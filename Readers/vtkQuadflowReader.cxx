@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkQuadflowReader.h"
 
-#include "BSplineVolumeData.h"
-#include "HexBlockData.h"
-#include "PieceRequest.h"
-#include "QuadflowFormat.h"
+#include "Data/BSplineVolumeData.h"
+#include "Data/HexBlockData.h"
+#include "Execution/PieceRequest.h"
+#include "Quadflow/QuadflowFormat.h"
 
 #include "vtkErrorCode.h"
 #include "vtkInformation.h"

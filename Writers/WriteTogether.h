@@ -3,7 +3,7 @@
 /// How the writers end: on all ranks together, with one message.
 #pragma once
 
-#include "Ranks.h"
+#include "Ranks/Ranks.h"
 
 #include <vtkAlgorithm.h>
 #include <vtkErrorCode.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSSurfaceWriter.h"
 
-#include "FilterExecution.h"
-#include "NURBSSurfaceData.h"
-#include "NURBSSurfaceFile.h"
+#include "Execution/FilterExecution.h"
+#include "Data/NURBSSurfaceData.h"
+#include "Formats/NURBSSurfaceFile.h"
 #include "WriteTogether.h"
 
 #include "vtkDataObject.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkQuadflowWriter.h"
 
-#include "BSplineVolumeData.h"
-#include "FilterExecution.h"
-#include "QuadflowFormat.h"
+#include "Data/BSplineVolumeData.h"
+#include "Execution/FilterExecution.h"
+#include "Quadflow/QuadflowFormat.h"
 #include "WriteTogether.h"
 
 #include "vtkDataObject.h"

@@ -2,8 +2,8 @@
 // Closest points on a body: a torus and a bumpy bicubic surface of 400 spans, queries in and around them.
 #include "BenchmarkSupport.h"
 
-#include "BodyCases.h"
-#include "ClosestPoint.h"
+#include "Support/BodyCases.h"
+#include "Body/ClosestPoint.h"
 
 namespace
 {

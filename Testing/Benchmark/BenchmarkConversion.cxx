@@ -4,7 +4,7 @@
 #include "BenchmarkSupport.h"
 #include "MeshSizes.h"
 
-#include "Conversion.h"
+#include "Conversion/Conversion.h"
 
 namespace
 {

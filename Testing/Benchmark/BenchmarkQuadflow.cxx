@@ -3,8 +3,8 @@
 #include "FileComparison.h"
 #include "MeshSizes.h"
 
-#include "Conversion.h"
-#include "QuadflowFormat.h"
+#include "Conversion/Conversion.h"
+#include "Quadflow/QuadflowFormat.h"
 
 namespace
 {

@@ -3,8 +3,8 @@
 // counts what is computed.
 #include "BenchmarkSupport.h"
 
-#include "BezierExtraction.h"
-#include "Sampling.h"
+#include "Volume/BezierExtraction.h"
+#include "Volume/Sampling.h"
 
 namespace
 {

@@ -13,7 +13,7 @@
 /// table.py reads them.
 #pragma once
 
-#include "Types.h"
+#include "Base/Types.h"
 
 #include <benchmark/benchmark.h>
 #include <vtkSMPTools.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Spans of a tricubic block certified valid per second: jacobianBounds() on every instruction set of the machine,
 // against a plain scalar kernel for the same coefficients, without bounds of rounding errors. `points` counts spans.
-#include "JacobianBounds.h"
+#include "Quality/JacobianBounds.h"
 
-#include "BezierSegments.h"
+#include "Volume/BezierSegments.h"
 
 #include <benchmark/benchmark.h>
 

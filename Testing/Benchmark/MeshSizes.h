@@ -3,7 +3,7 @@
 /// Meshes of any size for several benchmarks.
 #pragma once
 
-#include "MeshCases.h"
+#include "Support/MeshCases.h"
 
 #include <algorithm>
 #include <cmath>

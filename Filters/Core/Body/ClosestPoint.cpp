@@ -1,0 +1,1099 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Body/ClosestPoint.h"
+
+#include "Volume/BSplineVolume.h"
+#include "Volume/BezierSegments.h"
+#include "Body/TrimRegion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <tuple>
+
+namespace bsv
+{
+
+namespace
+{
+
+using Box3 = Eigen::AlignedBox3d;
+using Vec4 = Eigen::Vector4d;
+
+/// Two points closer than this fraction of the body's size are one.
+constexpr double CoincidentFraction = 1e-12;
+/// Cells are halved until tangents vary by less than this fraction of their mean ...
+constexpr double TangentVariation = 0.1;
+/// ... or their radius is this fraction of the body's size (poles never meet the first condition) ...
+constexpr double SmallestCell = 2e-4;
+/// Cells that trimming curves cross are halved until their radius is this many times the smallest one.
+constexpr double CrossedCells = 100.0;
+/// ... or they were halved so often.
+constexpr int MaxHalvings = 40;
+/// How often a cell is halved, in both directions, where the distance may have several minima on it.
+constexpr int HollowHalvings = 2;
+/// Part of its own size by which an iteration may leave its cell.
+constexpr double CellMargin = 0.25;
+/// Rational tangents are not in the hull of the control net's differences: their variation is taken larger.
+constexpr double RationalSafety = 1.5;
+/// Steps along the border of its cell after which an iteration that wants to leave is given up.
+constexpr int MaxBorderSteps = 6;
+/// Distance, in units of a cell, at which one-sided derivatives at its ends are taken.
+constexpr double EndShift = 1e-9;
+constexpr Index CellsPerNode = 4;
+
+/// Smooth part of a patch.
+struct Piece
+{
+  int patch;
+  NURBSSurface surface;
+};
+
+/// Small part of a piece, or of an edge (piece -1).
+struct Cell
+{
+  Box3 box;
+  int piece = -1;
+  int edge = -1;
+  /// Parameter ranges; of an edge only the first.
+  double u0 = 0.0, u1 = 0.0, v0 = 0.0, v1 = 0.0;
+  bool crossed = false;
+  /// Ball around all points, and cones around all tangents per whole cell.
+  Vec3 center = Vec3::Zero();
+  double radius = 0.0;
+  Vec3 tangentU = Vec3::Zero();
+  Vec3 tangentV = Vec3::Zero();
+  double spreadU = 0.0, spreadV = 0.0;
+};
+
+struct Edge
+{
+  int patch;
+  ParameterCurve curve;
+  /// Kinks count only inside the loops; trimming curves always.
+  bool kink;
+};
+
+struct Candidate
+{
+  double distance;
+  int patch;
+  double u, v;
+  int piece;
+  bool onEdge;
+  Vec3 point;
+};
+
+struct Node
+{
+  Box3 box;
+  /// Inner: the two children; leaf (count > 0): its cells.
+  Index first = 0;
+  Index second = 0;
+  Index count = 0;
+};
+
+struct CurvePoint
+{
+  Vec2 uv;
+  Vec3 x, d1, d2;
+};
+
+CurvePoint evaluateEdge(const NURBSSurface& surface, const ParameterCurve& curve, double t)
+{
+  const auto c = evaluate(curve, t);
+  const SurfaceDerivatives s = evaluate(surface, c[0][0], c[0][1]);
+  CurvePoint result;
+  result.uv = c[0];
+  result.x = s.x;
+  result.d1 = c[1][0] * s.u + c[1][1] * s.v;
+  result.d2 = c[1][0] * c[1][0] * s.uu + 2.0 * c[1][0] * c[1][1] * s.uv + c[1][1] * c[1][1] * s.vv + c[2][0] * s.u +
+    c[2][1] * s.v;
+  return result;
+}
+
+/// Cells of one piece, by halving the Bezier nets of its spans.
+class CellMaker
+{
+public:
+  CellMaker(const Piece& piece, int index, const TrimRegion& region, double smallest, std::vector<Cell>& cells)
+    : Surface(piece.surface)
+    , Region(region)
+    , PieceIndex(index)
+    , Smallest(smallest)
+    , Cells(cells)
+  {
+  }
+
+  void run()
+  {
+    const int p = this->Surface.degree[0];
+    const int q = this->Surface.degree[1];
+    const int rowLength = this->Surface.count(0);
+    std::vector<Vec4> rows(static_cast<std::size_t>(p + 1) * (q + 1));
+    std::vector<Vec4> line(std::max(p, q) + 1);
+    for (const int sv : nonEmptySpans(q, this->Surface.knots[1]))
+    {
+      for (const int su : nonEmptySpans(p, this->Surface.knots[0]))
+      {
+        for (int b = 0; b <= q; ++b)
+        {
+          bezierOfSpan<Vec4>(
+            p, this->Surface.knots[0], su,
+            [&](int a) -> Vec4 {
+              const std::size_t at = static_cast<std::size_t>(sv - q + b) * rowLength + (su - p + a);
+              const Vec3& x = this->Surface.points[at];
+              const double w = this->Surface.rational() ? this->Surface.weights[at] : 1.0;
+              return w * Vec4(x[0], x[1], x[2], 1.0);
+            },
+            rows.data() + static_cast<std::size_t>(b) * (p + 1));
+        }
+        std::vector<Vec4> net(rows.size());
+        for (int a = 0; a <= p; ++a)
+        {
+          bezierOfSpan<Vec4>(
+            q, this->Surface.knots[1], sv, [&](int b) { return rows[static_cast<std::size_t>(b) * (p + 1) + a]; },
+            line.data());
+          for (int b = 0; b <= q; ++b)
+          {
+            net[static_cast<std::size_t>(b) * (p + 1) + a] = line[b];
+          }
+        }
+        this->halve(net, this->Surface.knots[0][su], this->Surface.knots[0][su + 1], this->Surface.knots[1][sv],
+          this->Surface.knots[1][sv + 1], MaxHalvings);
+      }
+    }
+  }
+
+private:
+  void halve(std::vector<Vec4>& net, double u0, double u1, double v0, double v1, int left)
+  {
+    const TrimRegion::Place place =
+      this->Region.empty() ? TrimRegion::Place::Inside : this->Region.classify(Box2(Vec2(u0, v0), Vec2(u1, v1)));
+    if (place == TrimRegion::Place::Outside)
+    {
+      return;
+    }
+    const int p = this->Surface.degree[0];
+    const int q = this->Surface.degree[1];
+    this->Net.resize(net.size());
+    Cell cell;
+    for (std::size_t i = 0; i < net.size(); ++i)
+    {
+      this->Net[i] = net[i].head<3>() / net[i][3];
+      cell.box.extend(this->Net[i]);
+    }
+    const auto at = [&](int a, int b) -> const Vec3& { return this->Net[static_cast<std::size_t>(b) * (p + 1) + a]; };
+    cell.center = 0.25 * (at(0, 0) + at(p, 0) + at(0, q) + at(p, q));
+    for (const Vec3& x : this->Net)
+    {
+      cell.radius = std::max(cell.radius, (x - cell.center).norm());
+    }
+    cell.tangentU = 0.5 * (at(p, 0) + at(p, q) - at(0, 0) - at(0, q));
+    cell.tangentV = 0.5 * (at(0, q) + at(p, q) - at(0, 0) - at(p, 0));
+    // Differences along both directions bound both tangents; how much they change along each says where to halve.
+    double bendU = 0.0;
+    double bendV = 0.0;
+    double twist = 0.0;
+    for (int b = 0; b <= q; ++b)
+    {
+      for (int a = 0; a <= p; ++a)
+      {
+        if (a < p)
+        {
+          cell.spreadU = std::max(cell.spreadU, (p * (at(a + 1, b) - at(a, b)) - cell.tangentU).norm());
+        }
+        if (b < q)
+        {
+          cell.spreadV = std::max(cell.spreadV, (q * (at(a, b + 1) - at(a, b)) - cell.tangentV).norm());
+        }
+        if (a < p && b < q)
+        {
+          twist = std::max(twist, p * q * (at(a + 1, b + 1) - at(a + 1, b) - at(a, b + 1) + at(a, b)).norm());
+        }
+        if (a > 0 && a < p)
+        {
+          bendU = std::max(bendU, p * p * (at(a + 1, b) - 2.0 * at(a, b) + at(a - 1, b)).norm());
+        }
+        if (b > 0 && b < q)
+        {
+          bendV = std::max(bendV, q * q * (at(a, b + 1) - 2.0 * at(a, b) + at(a, b - 1)).norm());
+        }
+      }
+    }
+    if (this->Surface.rational())
+    {
+      cell.spreadU *= RationalSafety;
+      cell.spreadV *= RationalSafety;
+    }
+    const double lengthU = cell.tangentU.norm();
+    const double lengthV = cell.tangentV.norm();
+    // How much each tangent is too curved, if at all; the smallest size keeps rounding from counting.
+    const double excessU = cell.spreadU / (TangentVariation * lengthU + this->Smallest);
+    const double excessV = cell.spreadV / (TangentVariation * lengthV + this->Smallest);
+    const bool flat = excessU <= 1.0 && excessV <= 1.0;
+    const bool fine = place == TrimRegion::Place::Inside || cell.radius <= CrossedCells * this->Smallest;
+    if ((flat && fine) || left == 0 || cell.radius <= this->Smallest)
+    {
+      cell.piece = this->PieceIndex;
+      cell.u0 = u0;
+      cell.u1 = u1;
+      cell.v0 = v0;
+      cell.v1 = v1;
+      cell.crossed = place == TrimRegion::Place::Crossed;
+      this->Cells.push_back(cell);
+      return;
+    }
+    // The worse tangent changes along its own direction (bend) or along the other one (twist), as it does at poles.
+    const bool alongU = flat ? lengthU >= lengthV : excessU >= excessV ? bendU >= twist : bendV < twist;
+    std::vector<Vec4> other(net.size());
+    if (alongU)
+    {
+      for (int b = 0; b <= q; ++b)
+      {
+        halveBezier(p, 1, net.data() + static_cast<std::size_t>(b) * (p + 1),
+          other.data() + static_cast<std::size_t>(b) * (p + 1));
+      }
+      const double middle = 0.5 * (u0 + u1);
+      this->halve(net, u0, middle, v0, v1, left - 1);
+      this->halve(other, middle, u1, v0, v1, left - 1);
+    }
+    else
+    {
+      for (int a = 0; a <= p; ++a)
+      {
+        halveBezier(q, p + 1, net.data() + a, other.data() + a);
+      }
+      const double middle = 0.5 * (v0 + v1);
+      this->halve(net, u0, u1, v0, middle, left - 1);
+      this->halve(other, u0, u1, middle, v1, left - 1);
+    }
+  }
+
+  const NURBSSurface& Surface;
+  const TrimRegion& Region;
+  int PieceIndex;
+  double Smallest;
+  std::vector<Cell>& Cells;
+  std::vector<Vec3> Net;
+};
+
+/// Cells of one edge. Their boxes come from samples and are widened by twice the sag that the samples show.
+void edgeCells(
+  const NURBSSurface& surface, const ParameterCurve& curve, int index, double smallest, std::vector<Cell>& cells)
+{
+  std::array<std::vector<double>, 2> knots;
+  for (int d = 0; d < 2; ++d)
+  {
+    std::unique_copy(surface.knots[d].begin(), surface.knots[d].end(), std::back_inserter(knots[d]));
+  }
+  const auto halve = [&](const auto& self, double a, double b, int left) -> void {
+    constexpr int Samples = 4;
+    Vec3 points[Samples + 1];
+    Vec3 tangents[Samples + 1];
+    Box2 domain;
+    Cell cell;
+    double tangentLength = 0.0;
+    for (int i = 0; i <= Samples; ++i)
+    {
+      // The ends a little outside: both cells at a kink of the surface see both tangents.
+      const double part = i == 0 ? -EndShift : i == Samples ? 1.0 + EndShift : double(i) / Samples;
+      const CurvePoint at = evaluateEdge(surface, curve, a + part * (b - a));
+      points[i] = at.x;
+      tangents[i] = at.d1 * (b - a);
+      tangentLength = std::max(tangentLength, tangents[i].norm());
+      cell.box.extend(at.x);
+      domain.extend(at.uv);
+    }
+    // Samples say little about a curve that passes many spans of the surface.
+    bool fewSpans = true;
+    for (int d = 0; d < 2; ++d)
+    {
+      fewSpans = fewSpans &&
+        std::lower_bound(knots[d].begin(), knots[d].end(), domain.max()[d]) -
+            std::upper_bound(knots[d].begin(), knots[d].end(), domain.min()[d]) <=
+          1;
+    }
+    cell.center = 0.5 * (points[0] + points[Samples]);
+    cell.tangentU = points[Samples] - points[0];
+    double sag = 0.0;
+    for (int i = 0; i <= Samples; ++i)
+    {
+      const double s = double(i) / Samples;
+      sag = std::max(sag, (points[i] - (1.0 - s) * points[0] - s * points[Samples]).norm());
+      cell.spreadU = std::max(cell.spreadU, (tangents[i] - cell.tangentU).norm());
+      cell.radius = std::max(cell.radius, (points[i] - cell.center).norm());
+    }
+    const bool flat = fewSpans && cell.spreadU <= TangentVariation * cell.tangentU.norm() + smallest;
+    if (flat || left == 0 || (cell.radius <= smallest && tangentLength <= 4.0 * smallest))
+    {
+      cell.radius += 2.0 * sag;
+      cell.spreadU *= RationalSafety;
+      cell.box.min().array() -= 2.0 * sag;
+      cell.box.max().array() += 2.0 * sag;
+      cell.edge = index;
+      cell.u0 = a;
+      cell.u1 = b;
+      cells.push_back(cell);
+      return;
+    }
+    const double middle = 0.5 * (a + b);
+    self(self, a, middle, left - 1);
+    self(self, middle, b, left - 1);
+  };
+  // Ends of spans are cells of their own: there the curve may end or have a kink.
+  const auto addPoint = [&](double t) {
+    Cell cell;
+    cell.center = evaluateEdge(surface, curve, t).x;
+    cell.box.extend(cell.center);
+    cell.edge = index;
+    cell.u0 = cell.u1 = t;
+    cells.push_back(cell);
+  };
+  addPoint(curve.first());
+  for (const int span : nonEmptySpans(curve.degree, curve.knots))
+  {
+    halve(halve, curve.knots[span], curve.knots[span + 1], MaxHalvings);
+    addPoint(curve.knots[span + 1]);
+  }
+}
+
+/// Kinks of a surface: its inner knots of multiplicity degree, as lines over the domain.
+std::vector<ParameterCurve> kinkLines(const NURBSSurface& surface)
+{
+  std::vector<ParameterCurve> lines;
+  for (int d = 0; d < 2; ++d)
+  {
+    const std::vector<double>& knots = surface.knots[d];
+    const int p = surface.degree[d];
+    for (int s = p + 1; s < surface.count(d); ++s)
+    {
+      if (knots[s] < knots[s + 1] && knots[s + 1 - p] == knots[s] && knots[s] > surface.first(d))
+      {
+        Vec2 from;
+        Vec2 to;
+        from[d] = to[d] = knots[s];
+        from[1 - d] = surface.first(1 - d);
+        to[1 - d] = surface.last(1 - d);
+        // Knots of the other direction are those of the line: it is smooth between them only.
+        ParameterCurve line;
+        line.knots = { 0.0 };
+        for (const int span : nonEmptySpans(surface.degree[1 - d], surface.knots[1 - d]))
+        {
+          const double s0 = (surface.knots[1 - d][span] - from[1 - d]) / (to[1 - d] - from[1 - d]);
+          line.knots.push_back(s0);
+          line.points.push_back((1.0 - s0) * from + s0 * to);
+        }
+        line.knots.push_back(1.0);
+        line.knots.push_back(1.0);
+        line.points.push_back(to);
+        lines.push_back(line);
+      }
+    }
+  }
+  return lines;
+}
+
+double boxDistance(const Box3& box, const Vec3& query)
+{
+  return (query - query.cwiseMax(box.min()).cwiseMin(box.max())).norm();
+}
+
+} // namespace
+
+struct BodySurface::Locator
+{
+  std::vector<BodyPatch> patches;
+  std::vector<TrimRegion> regions;
+  std::vector<Piece> pieces;
+  std::vector<Edge> edges;
+  std::vector<Cell> cells;
+  std::vector<Node> nodes;
+  std::vector<Node> edgeNodes;
+  std::vector<Index> cellOrder;
+  std::vector<Index> edgeCellOrder;
+  Box3 bounds;
+  double size = 0.0;
+
+  void build(const Execution& run);
+  Index buildTree(std::vector<Node>& tree, std::vector<Index>& order, Index begin, Index end) const;
+  /// Calls body(cell) for the cells in the order of their least distance until that exceeds *limit.
+  template <typename Body>
+  void visit(const std::vector<Node>& tree, const std::vector<Index>& order, const Vec3& query, const double& limit,
+    const Body& body) const;
+  bool mayHoldFootPoint(const Cell& cell, const Vec3& query) const;
+  void searchPiece(const Cell& cell, const Box2& range, int halvings, const Vec3& query, double limit,
+    std::vector<Candidate>& found) const;
+  /// Foot point near a part of a cell, if the distance has a minimum there.
+  bool descend(const Cell& cell, const Box2& range, const Vec3& query, Candidate& found) const;
+  void searchEdge(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const;
+  void polish(const Vec3& query, Candidate& candidate) const;
+  /// All candidates that are closer than the least distance plus `tolerance`.
+  std::vector<Candidate> candidates(const Vec3& query, double tolerance, bool edgesOnly) const;
+  BodyPoint bodyPoint(const Candidate& candidate) const;
+  BodyPoint closest(const Vec3& query, bool edgesOnly) const;
+};
+
+void BodySurface::Locator::build(const Execution& run)
+{
+  Box3 controlBox;
+  for (std::size_t i = 0; i < this->patches.size(); ++i)
+  {
+    const std::string& name = this->patches[i].name;
+    checkBodyPatch(this->patches[i], "patch " + std::to_string(i) + (name.empty() ? "" : " '" + name + "'"));
+    for (const Vec3& point : this->patches[i].surface.points)
+    {
+      controlBox.extend(point);
+    }
+  }
+  if (this->patches.empty())
+  {
+    return;
+  }
+  const double smallest = SmallestCell * controlBox.diagonal().norm();
+
+  struct Parts
+  {
+    std::vector<Piece> pieces;
+    std::vector<Edge> edges;
+    std::vector<Cell> cells;
+  };
+  const Index count = static_cast<Index>(this->patches.size());
+  std::vector<Parts> parts(count);
+  this->regions.resize(count);
+  run.parallelFor(count, 1, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+    {
+      const BodyPatch& patch = this->patches[i];
+      const int index = static_cast<int>(i);
+      Parts& part = parts[i];
+      this->regions[i] = TrimRegion(patch.loops);
+      for (NURBSSurface& piece : smoothPieces(patch.surface))
+      {
+        part.pieces.push_back({ index, std::move(piece) });
+      }
+      for (std::size_t k = 0; k < part.pieces.size(); ++k)
+      {
+        CellMaker(part.pieces[k], static_cast<int>(k), this->regions[i], smallest, part.cells).run();
+      }
+      for (const TrimLoop& loop :
+        patch.loops.empty() ? std::vector<TrimLoop>{ domainLoop(patch.surface) } : patch.loops)
+      {
+        for (const ParameterCurve& curve : loop)
+        {
+          part.edges.push_back({ index, curve, false });
+        }
+      }
+      for (ParameterCurve& line : kinkLines(patch.surface))
+      {
+        part.edges.push_back({ index, std::move(line), true });
+      }
+      for (std::size_t e = 0; e < part.edges.size(); ++e)
+      {
+        edgeCells(patch.surface, part.edges[e].curve, static_cast<int>(e), smallest, part.cells);
+      }
+    }
+  });
+  for (Parts& part : parts)
+  {
+    const int firstPiece = static_cast<int>(this->pieces.size());
+    const int firstEdge = static_cast<int>(this->edges.size());
+    for (Cell& cell : part.cells)
+    {
+      cell.piece < 0 ? cell.edge += firstEdge : cell.piece += firstPiece;
+      this->bounds.extend(cell.box);
+      this->cells.push_back(cell);
+    }
+    std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(this->pieces));
+    std::move(part.edges.begin(), part.edges.end(), std::back_inserter(this->edges));
+  }
+  this->size = this->bounds.diagonal().norm();
+  for (std::size_t c = 0; c < this->cells.size(); ++c)
+  {
+    this->cellOrder.push_back(static_cast<Index>(c));
+    if (this->cells[c].piece < 0)
+    {
+      this->edgeCellOrder.push_back(static_cast<Index>(c));
+    }
+  }
+  this->buildTree(this->nodes, this->cellOrder, 0, static_cast<Index>(this->cellOrder.size()));
+  this->buildTree(this->edgeNodes, this->edgeCellOrder, 0, static_cast<Index>(this->edgeCellOrder.size()));
+}
+
+Index BodySurface::Locator::buildTree(std::vector<Node>& tree, std::vector<Index>& order, Index begin, Index end) const
+{
+  const Index self = static_cast<Index>(tree.size());
+  Node node;
+  Box3 centers;
+  for (Index i = begin; i < end; ++i)
+  {
+    node.box.extend(this->cells[order[i]].box);
+    centers.extend(this->cells[order[i]].box.center());
+  }
+  tree.push_back(node);
+  if (end - begin <= CellsPerNode)
+  {
+    tree[self].first = begin;
+    tree[self].count = end - begin;
+    return self;
+  }
+  int axis = 0;
+  centers.diagonal().maxCoeff(&axis);
+  const Index middle = begin + (end - begin) / 2;
+  std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](Index a, Index b) {
+    const double x = this->cells[a].box.min()[axis] + this->cells[a].box.max()[axis];
+    const double y = this->cells[b].box.min()[axis] + this->cells[b].box.max()[axis];
+    return x != y ? x < y : a < b;
+  });
+  const Index first = this->buildTree(tree, order, begin, middle);
+  const Index second = this->buildTree(tree, order, middle, end);
+  tree[self].first = first;
+  tree[self].second = second;
+  return self;
+}
+
+template <typename Body>
+void BodySurface::Locator::visit(const std::vector<Node>& tree, const std::vector<Index>& order, const Vec3& query,
+  const double& limit, const Body& body) const
+{
+  if (order.empty())
+  {
+    return;
+  }
+  // Nodes are entered by 2 * index, cells by 2 * index + 1.
+  using Entry = std::pair<double, Index>;
+  static thread_local std::vector<Entry> heap;
+  heap.clear();
+  const auto push = [&](const Box3& box, Index id) {
+    const double distance = boxDistance(box, query);
+    if (distance <= limit)
+    {
+      heap.emplace_back(distance, id);
+      std::push_heap(heap.begin(), heap.end(), std::greater<Entry>());
+    }
+  };
+  push(tree[0].box, 0);
+  while (!heap.empty() && heap.front().first <= limit)
+  {
+    const Index id = heap.front().second;
+    std::pop_heap(heap.begin(), heap.end(), std::greater<Entry>());
+    heap.pop_back();
+    if (id % 2 == 1)
+    {
+      body(this->cells[id / 2]);
+      continue;
+    }
+    const Node& node = tree[id / 2];
+    if (node.count > 0)
+    {
+      for (Index i = node.first; i < node.first + node.count; ++i)
+      {
+        const Cell& cell = this->cells[order[i]];
+        if (this->mayHoldFootPoint(cell, query))
+        {
+          push(cell.box, 2 * order[i] + 1);
+        }
+      }
+    }
+    else
+    {
+      push(tree[node.first].box, 2 * node.first);
+      push(tree[node.second].box, 2 * node.second);
+    }
+  }
+}
+
+bool BodySurface::Locator::mayHoldFootPoint(const Cell& cell, const Vec3& query) const
+{
+  if (cell.u0 == cell.u1)
+  {
+    return true;
+  }
+  // (x - query) . x_u has no zero if its value at the middle exceeds what ball and cone can take from it.
+  const Vec3 r = cell.center - query;
+  const double length = r.norm();
+  const auto never = [&](const Vec3& tangent, double spread) {
+    return std::abs(r.dot(tangent)) > length * spread + cell.radius * (tangent.norm() + spread);
+  };
+  return !never(cell.tangentU, cell.spreadU) && (cell.piece < 0 || !never(cell.tangentV, cell.spreadV));
+}
+
+void BodySurface::Locator::searchPiece(const Cell& cell, const Box2& range, int halvings, const Vec3& query,
+  double limit, std::vector<Candidate>& found) const
+{
+  const NURBSSurface& surface = this->pieces[cell.piece].surface;
+  const Vec2 middle = range.center();
+  // Near enough |x_uu|, at most about twice the change of the tangent from the middle of the cell, cannot matter. But
+  // on the hollow side, beyond the centres of curvature, the distance may have several minima on a cell.
+  const double reach = (cell.center - query).norm() + cell.radius;
+  const bool near = 6.0 * reach * cell.spreadU < cell.tangentU.squaredNorm() &&
+    6.0 * reach * cell.spreadV < cell.tangentV.squaredNorm() &&
+    6.0 * reach * std::max(cell.spreadU, cell.spreadV) < cell.tangentU.norm() * cell.tangentV.norm();
+  if (!near)
+  {
+    const SurfaceDerivatives center = evaluate(surface, middle[0], middle[1]);
+    if (halvings < HollowHalvings)
+    {
+      // The tests that the whole cell has passed, for its part.
+      const double part = std::ldexp(1.0, halvings - HollowHalvings);
+      const Vec3 r = center.x - query;
+      const double length = r.norm();
+      const double radius = 1.25 * part * cell.radius;
+      const auto never = [&](const Vec3& tangent, double spread) {
+        return std::abs(r.dot(tangent)) > length * spread + radius * (tangent.norm() + spread);
+      };
+      const Vec2 extent = range.diagonal();
+      if (length - radius > limit || never(extent[0] * center.u, 2.0 * part * part * cell.spreadU) ||
+        never(extent[1] * center.v, 2.0 * part * part * cell.spreadV))
+      {
+        return;
+      }
+    }
+    const auto convex = [&](const SurfaceDerivatives& at) {
+      const Vec3 r = at.x - query;
+      const double E = at.u.squaredNorm();
+      const double G = at.v.squaredNorm();
+      const double F = at.u.dot(at.v);
+      const double huu = E + r.dot(at.uu);
+      const double huv = F + r.dot(at.uv);
+      const double hvv = G + r.dot(at.vv);
+      return huu > 0.5 * E && hvv > 0.5 * G && huu * hvv - huv * huv > 0.25 * (E * G - F * F);
+    };
+    const auto convexAt = [&](double u, double v) { return convex(evaluate(surface, u, v)); };
+    const Vec2& low = range.min();
+    const Vec2& high = range.max();
+    if (halvings > 0 &&
+      !(convex(center) && convexAt(low[0], low[1]) && convexAt(high[0], high[1]) && convexAt(low[0], high[1]) &&
+        convexAt(high[0], low[1])))
+    {
+      for (int quarter = 0; quarter < 4; ++quarter)
+      {
+        const Vec2 corner(quarter % 2 == 0 ? low[0] : high[0], quarter / 2 == 0 ? low[1] : high[1]);
+        this->searchPiece(
+          cell, Box2(corner.cwiseMin(middle), corner.cwiseMax(middle)), halvings - 1, query, limit, found);
+      }
+      return;
+    }
+  }
+  Candidate candidate;
+  if (this->descend(cell, range, query, candidate))
+  {
+    found.push_back(candidate);
+  }
+}
+
+bool BodySurface::Locator::descend(const Cell& cell, const Box2& range, const Vec3& query, Candidate& found) const
+{
+  const Piece& piece = this->pieces[cell.piece];
+  const NURBSSurface& surface = piece.surface;
+  const Vec2 margin = CellMargin * range.diagonal();
+  const Vec2 low = (range.min() - margin).cwiseMax(Vec2(surface.first(0), surface.first(1)));
+  const Vec2 high = (range.max() + margin).cwiseMin(Vec2(surface.last(0), surface.last(1)));
+
+  Vec2 uv = range.center();
+  SurfaceDerivatives at = evaluate(surface, uv[0], uv[1]);
+  Vec3 r = at.x - query;
+  double value = r.squaredNorm();
+  int atBorder = 0;
+  for (int iteration = 0; iteration < 50; ++iteration)
+  {
+    Vec2 gradient(r.dot(at.u), r.dot(at.v));
+    Eigen::Matrix2d first;
+    first << at.u.dot(at.u), at.u.dot(at.v), at.u.dot(at.v), at.v.dot(at.v);
+    Eigen::Matrix2d hessian = first;
+    hessian(0, 0) += r.dot(at.uu);
+    hessian(0, 1) += r.dot(at.uv);
+    hessian(1, 0) = hessian(0, 1);
+    hessian(1, 1) += r.dot(at.vv);
+    const auto positive = [](const Eigen::Matrix2d& m) {
+      return m(0, 0) > 0.0 && m(1, 1) > 0.0 && m.determinant() > 1e-10 * m(0, 0) * m(1, 1);
+    };
+    if (!positive(hessian))
+    {
+      hessian = first;
+      hessian.diagonal() += 1e-9 * first.diagonal();
+    }
+    // A parameter on its bound that wants to leave is held.
+    std::array<bool, 2> held{};
+    for (int d = 0; d < 2; ++d)
+    {
+      held[d] = (uv[d] <= low[d] && gradient[d] > 0.0) || (uv[d] >= high[d] && gradient[d] < 0.0);
+    }
+    Vec2 step = Vec2::Zero();
+    if (held[0] && held[1])
+    {
+      return false;
+    }
+    if (held[0] || held[1])
+    {
+      if (++atBorder > MaxBorderSteps)
+      {
+        return false;
+      }
+      const int d = held[0] ? 1 : 0;
+      step[d] = -gradient[d] / hessian(d, d);
+    }
+    else if (positive(hessian))
+    {
+      step = -hessian.inverse() * gradient;
+    }
+    else
+    {
+      // A tangent vanishes: each parameter for itself.
+      for (int d = 0; d < 2; ++d)
+      {
+        step[d] = first(d, d) > 0.0 ? -gradient[d] / first(d, d) : 0.0;
+      }
+    }
+    if (!step.allFinite())
+    {
+      break;
+    }
+    // Descent: halved until the distance does not grow by more than rounding.
+    bool moved = false;
+    for (int halving = 0; halving < 12; ++halving, step *= 0.5)
+    {
+      const Vec2 next = (uv + step).cwiseMax(low).cwiseMin(high);
+      if (next == uv)
+      {
+        break;
+      }
+      const SurfaceDerivatives there = evaluate(surface, next[0], next[1]);
+      const Vec3 nextR = there.x - query;
+      const double nextValue = nextR.squaredNorm();
+      if (nextValue < value || (halving == 0 && nextValue <= value * (1.0 + 1e-14)))
+      {
+        moved = nextValue < value;
+        uv = next;
+        at = there;
+        r = nextR;
+        value = nextValue;
+        break;
+      }
+    }
+    const double travelled = (at.u * step[0]).norm() + (at.v * step[1]).norm();
+    if (!moved || travelled <= 1e-16 * this->size)
+    {
+      break;
+    }
+  }
+  // Stopped, but by the border: no foot point here.
+  const Vec2 gradient(r.dot(at.u), r.dot(at.v));
+  for (int d = 0; d < 2; ++d)
+  {
+    if ((uv[d] <= low[d] && gradient[d] > 0.0) || (uv[d] >= high[d] && gradient[d] < 0.0))
+    {
+      return false;
+    }
+  }
+  if (cell.crossed && !this->regions[piece.patch].contains(uv))
+  {
+    return false;
+  }
+  // The margin may reach over a trimming curve though the cell does not.
+  if (!cell.crossed && !this->regions[piece.patch].empty() &&
+    (uv[0] < cell.u0 || uv[0] > cell.u1 || uv[1] < cell.v0 || uv[1] > cell.v1) &&
+    !this->regions[piece.patch].contains(uv))
+  {
+    return false;
+  }
+  found = { std::sqrt(value), piece.patch, uv[0], uv[1], cell.piece, false, at.x };
+  return true;
+}
+
+void BodySurface::Locator::searchEdge(const Cell& cell, const Vec3& query, std::vector<Candidate>& found) const
+{
+  const Edge& edge = this->edges[cell.edge];
+  const NURBSSurface& surface = this->patches[edge.patch].surface;
+  const auto submit = [&](const CurvePoint& at) {
+    if (!edge.kink || this->regions[edge.patch].contains(at.uv))
+    {
+      const Vec2 uv(std::min(std::max(at.uv[0], surface.first(0)), surface.last(0)),
+        std::min(std::max(at.uv[1], surface.first(1)), surface.last(1)));
+      found.push_back({ (at.x - query).norm(), edge.patch, uv[0], uv[1], -1, true, at.x });
+    }
+  };
+  double low = cell.u0;
+  double high = cell.u1;
+  if (low == high)
+  {
+    submit(evaluateEdge(surface, edge.curve, low));
+    return;
+  }
+  // On a knot derivatives are those to its right.
+  high -= EndShift * (high - low);
+  const CurvePoint atLow = evaluateEdge(surface, edge.curve, low);
+  const CurvePoint atHigh = evaluateEdge(surface, edge.curve, high);
+  if (!((atLow.x - query).dot(atLow.d1) < 0.0))
+  {
+    submit(atLow);
+    return;
+  }
+  if (!((atHigh.x - query).dot(atHigh.d1) > 0.0))
+  {
+    submit(atHigh);
+    return;
+  }
+  // The derivative of the distance changes its sign from - to +: Newton inside the shrinking bracket, else halving.
+  double t = 0.5 * (low + high);
+  CurvePoint at = evaluateEdge(surface, edge.curve, t);
+  for (int i = 0; i < 120; ++i)
+  {
+    const Vec3 r = at.x - query;
+    const double slope = r.dot(at.d1);
+    if (slope == 0.0)
+    {
+      break;
+    }
+    (slope < 0.0 ? low : high) = t;
+    const double curvature = at.d1.squaredNorm() + r.dot(at.d2);
+    double next = t - slope / curvature;
+    if (!(curvature > 0.0) || !(next > low && next < high) || i % 8 == 7)
+    {
+      next = 0.5 * (low + high);
+    }
+    if (next == t || next <= low || next >= high)
+    {
+      break;
+    }
+    const bool done = at.d1.norm() * std::abs(next - t) <= 1e-16 * this->size;
+    t = next;
+    at = evaluateEdge(surface, edge.curve, t);
+    if (done)
+    {
+      break;
+    }
+  }
+  submit(at);
+}
+
+void BodySurface::Locator::polish(const Vec3& query, Candidate& candidate) const
+{
+  if (candidate.onEdge)
+  {
+    return;
+  }
+  // The distance no longer changes; the last Newton steps are judged by the residual instead.
+  const NURBSSurface& surface = this->pieces[candidate.piece].surface;
+  const auto residual = [&](const SurfaceDerivatives& at) {
+    const Vec3 r = at.x - query;
+    const double a = at.u.norm();
+    const double b = at.v.norm();
+    return std::max(a > 0.0 ? std::abs(r.dot(at.u)) / a : 0.0, b > 0.0 ? std::abs(r.dot(at.v)) / b : 0.0);
+  };
+  SurfaceDerivatives at = evaluate(surface, candidate.u, candidate.v);
+  double now = residual(at);
+  for (int i = 0; i < 6 && now > 1e-16 * this->size; ++i)
+  {
+    const Vec3 r = at.x - query;
+    Eigen::Matrix2d hessian;
+    hessian << at.u.dot(at.u) + r.dot(at.uu), at.u.dot(at.v) + r.dot(at.uv), at.u.dot(at.v) + r.dot(at.uv),
+      at.v.dot(at.v) + r.dot(at.vv);
+    const Vec2 step = -hessian.inverse() * Vec2(r.dot(at.u), r.dot(at.v));
+    const Vec2 next(candidate.u + step[0], candidate.v + step[1]);
+    if (!next.allFinite() || next[0] < surface.first(0) || next[0] > surface.last(0) || next[1] < surface.first(1) ||
+      next[1] > surface.last(1) || (at.u * step[0] + at.v * step[1]).norm() > 1e-5 * this->size)
+    {
+      return;
+    }
+    const SurfaceDerivatives there = evaluate(surface, next[0], next[1]);
+    const double then = residual(there);
+    if (!(then < now) || !this->regions[candidate.patch].contains(next))
+    {
+      return;
+    }
+    candidate.u = next[0];
+    candidate.v = next[1];
+    candidate.point = there.x;
+    candidate.distance = (there.x - query).norm();
+    at = there;
+    now = then;
+  }
+}
+
+std::vector<Candidate> BodySurface::Locator::candidates(const Vec3& query, double tolerance, bool edgesOnly) const
+{
+  std::vector<Candidate> found;
+  std::vector<Candidate> ofCell;
+  double limit = std::numeric_limits<double>::infinity();
+  const auto submit = [&](const Candidate& candidate) {
+    if (candidate.distance <= limit)
+    {
+      found.push_back(candidate);
+      limit = std::min(limit, candidate.distance + tolerance);
+    }
+  };
+  this->visit(edgesOnly ? this->edgeNodes : this->nodes, edgesOnly ? this->edgeCellOrder : this->cellOrder, query,
+    limit, [&](const Cell& cell) {
+      ofCell.clear();
+      cell.piece < 0 ? this->searchEdge(cell, query, ofCell)
+                     : this->searchPiece(cell, Box2(Vec2(cell.u0, cell.v0), Vec2(cell.u1, cell.v1)), HollowHalvings,
+                         query, limit, ofCell);
+      for (const Candidate& candidate : ofCell)
+      {
+        submit(candidate);
+      }
+    });
+  found.erase(
+    std::remove_if(found.begin(), found.end(), [&](const Candidate& c) { return c.distance > limit; }), found.end());
+  for (Candidate& candidate : found)
+  {
+    this->polish(query, candidate);
+  }
+  return found;
+}
+
+BodyPoint BodySurface::Locator::bodyPoint(const Candidate& candidate) const
+{
+  const BodyPatch& patch = this->patches[candidate.patch];
+  BodyPoint result;
+  result.patch = candidate.patch;
+  result.u = candidate.u;
+  result.v = candidate.v;
+  result.distance = candidate.distance;
+  result.onEdge = candidate.onEdge;
+  result.geometry = surfaceGeometry(patch.surface, candidate.u, candidate.v, patch.reversed);
+  return result;
+}
+
+namespace
+{
+
+/// Lower: the owner of a point that several candidates share.
+bool owns(const Candidate& a, const Candidate& b)
+{
+  return std::make_tuple(a.patch, a.onEdge, a.u, a.v) < std::make_tuple(b.patch, b.onEdge, b.u, b.v);
+}
+
+} // namespace
+
+BodyPoint BodySurface::Locator::closest(const Vec3& query, bool edgesOnly) const
+{
+  const double coincident = CoincidentFraction * this->size;
+  const std::vector<Candidate> found = this->candidates(query, coincident, edgesOnly);
+  if (found.empty())
+  {
+    return {};
+  }
+  // Around a foot point distances differ by less than rounding. There the connecting vector decides: the one that is
+  // most nearly normal to the surface. (At poles, where parameters say little, this is the pole itself.)
+  double least = std::numeric_limits<double>::infinity();
+  for (const Candidate& candidate : found)
+  {
+    least = std::min(least, candidate.distance);
+  }
+  const double rounding = 1e-15 * (this->size + least);
+  const Candidate* best = nullptr;
+  double bestResidual = 0.0;
+  for (const Candidate& candidate : found)
+  {
+    if (candidate.distance <= least + rounding)
+    {
+      const Vec3 normal = surfaceGeometry(this->patches[candidate.patch].surface, candidate.u, candidate.v).normal;
+      const double residual = normal.cross(query - candidate.point).norm();
+      if (!best || residual < bestResidual || (residual == bestResidual && owns(candidate, *best)))
+      {
+        best = &candidate;
+        bestResidual = residual;
+      }
+    }
+  }
+  const Candidate* owner = best;
+  for (const Candidate& candidate : found)
+  {
+    if ((candidate.point - best->point).norm() <= coincident && owns(candidate, *owner))
+    {
+      owner = &candidate;
+    }
+  }
+  return this->bodyPoint(*owner);
+}
+
+BodySurface::BodySurface(std::vector<BodyPatch> patches, const Execution& run)
+{
+  auto locator = std::make_unique<Locator>();
+  locator->patches = std::move(patches);
+  locator->build(run);
+  this->Data = std::move(locator);
+}
+
+BodySurface::~BodySurface() = default;
+BodySurface::BodySurface(BodySurface&&) noexcept = default;
+BodySurface& BodySurface::operator=(BodySurface&&) noexcept = default;
+
+const std::vector<BodyPatch>& BodySurface::patches() const
+{
+  return this->Data->patches;
+}
+
+const Eigen::AlignedBox3d& BodySurface::bounds() const
+{
+  return this->Data->bounds;
+}
+
+double BodySurface::size() const
+{
+  return this->Data->size;
+}
+
+BodyPoint BodySurface::closestPoint(const Vec3& query) const
+{
+  return this->Data->closest(query, false);
+}
+
+std::vector<BodyPoint> BodySurface::closestPoints(const std::vector<Vec3>& queries, const Execution& run) const
+{
+  std::vector<BodyPoint> results(queries.size());
+  const Index count = static_cast<Index>(queries.size());
+  // In parts, so that progress can be told from this thread.
+  constexpr Index Part = 65536;
+  for (Index begin = 0; begin < count; begin += Part)
+  {
+    run.report(static_cast<double>(begin) / static_cast<double>(count));
+    const Index end = std::min(begin + Part, count);
+    run.parallelFor(end - begin, 64, [&](Index from, Index to) {
+      for (Index i = begin + from; i < begin + to; ++i)
+      {
+        results[i] = this->Data->closest(queries[i], false);
+      }
+    });
+  }
+  return results;
+}
+
+std::vector<BodyPoint> BodySurface::closestPointPerPatch(const Vec3& query, double tolerance) const
+{
+  std::vector<Candidate> found = this->Data->candidates(query, tolerance, false);
+  // Neighbouring cells find the same point, one of them best; sides of a seam are far apart in the domain.
+  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+    return a.distance != b.distance ? a.distance < b.distance : owns(a, b);
+  });
+  std::vector<Candidate> kept;
+  for (const Candidate& candidate : found)
+  {
+    const NURBSSurface& surface = this->Data->patches[candidate.patch].surface;
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate& other) {
+      return other.patch == candidate.patch &&
+        std::abs(other.u - candidate.u) <= 1e-3 * (surface.last(0) - surface.first(0)) &&
+        std::abs(other.v - candidate.v) <= 1e-3 * (surface.last(1) - surface.first(1));
+    });
+    if (!known)
+    {
+      kept.push_back(candidate);
+    }
+  }
+  std::sort(kept.begin(), kept.end(), owns);
+  std::vector<BodyPoint> results;
+  for (const Candidate& candidate : kept)
+  {
+    results.push_back(this->Data->bodyPoint(candidate));
+  }
+  return results;
+}
+
+BodyPoint BodySurface::closestEdgePoint(const Vec3& query) const
+{
+  return this->Data->closest(query, true);
+}
+
+} // namespace bsv

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The rules of the body (SurfaceConversion.cpp) and those of the layers above disagree by more than a thin first layer.
+// So what the body rules changed is carried into the layers:
+//
+//   net_k <- layerRule(mesh_k) + w(d_k) (bodyNet - layerRule(mesh_0)),   w = max(0, 1 - d / (r h))
+//
+// d is the distance along the block edges that rise from the vertex, h the mean length of the surface's edges there, r the
+// propagation range. Where these edges end sooner, so does w.
+#include "Conversion/Converter.h"
+#include "Ranks/OwnedValues.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace bsv
+{
+
+struct Converter::Link
+{
+  int edge = -1;
+  int end = 0; ///< of the edge where the run starts
+  Fan delta;
+  std::vector<double> distances; ///< per layer, in the edge's order
+};
+
+namespace
+{
+
+/// A message of numbers, read as it was written.
+class Numbers
+{
+public:
+  explicit Numbers(std::vector<double> values = {})
+    : Values(std::move(values))
+  {
+  }
+  void put(double value) { this->Values.push_back(value); }
+  double get() { return this->Values[this->Next++]; }
+  bool atEnd() const { return this->Next == this->Values.size(); }
+  std::vector<double> values() && { return std::move(this->Values); }
+
+  void put(const Fan& fan)
+  {
+    this->put(fan.closed ? 1.0 : 0.0);
+    this->put(static_cast<double>(fan.spokes.size()));
+    this->put(static_cast<double>(fan.sectors.size()));
+    const auto putPoint = [&](const Vec3& x) { this->Values.insert(this->Values.end(), x.data(), x.data() + 3); };
+    putPoint(fan.center);
+    std::for_each(fan.spokes.begin(), fan.spokes.end(), putPoint);
+    std::for_each(fan.sectors.begin(), fan.sectors.end(), putPoint);
+  }
+  Fan getFan()
+  {
+    Fan fan;
+    fan.closed = this->get() != 0.0;
+    fan.spokes.resize(static_cast<std::size_t>(this->get()));
+    fan.sectors.resize(static_cast<std::size_t>(this->get()));
+    const auto getPoint = [&](Vec3& x) {
+      x = Vec3(this->Values.data() + this->Next);
+      this->Next += 3;
+    };
+    getPoint(fan.center);
+    std::for_each(fan.spokes.begin(), fan.spokes.end(), getPoint);
+    std::for_each(fan.sectors.begin(), fan.sectors.end(), getPoint);
+    return fan;
+  }
+
+private:
+  std::vector<double> Values;
+  std::size_t Next = 0;
+};
+
+} // namespace
+
+std::optional<std::pair<Converter::Link, double>> Converter::firstLink(int vertex) const
+{
+  Star star = this->makeStar(vertex);
+  this->convertSurface(star);
+  const StackAxes axes = this->stackAxes(star);
+  if (!star.hasFoot || axes.up < 0 || axes.down >= 0)
+  {
+    return {};
+  }
+  const Star::EdgeInfo& info = star.info[axes.up];
+  Fan delta = this->starLayer(star, axes.up, 0);
+  delta.center = star.center - delta.center;
+  std::vector<double> lengths;
+  for (int i = 0; i < delta.spokeCount(); ++i)
+  {
+    delta.spokes[i] = star.edgePoints[info.spokes[i]] - delta.spokes[i];
+    lengths.push_back((star.edges[info.spokes[i]].point - star.point).norm());
+  }
+  for (int i = 0; i < delta.sectorCount(); ++i)
+  {
+    const int face = star.blocks[info.sectors[i]].faces[info.fan->sectors[i].along];
+    delta.sectors[i] = star.facePoints[face] - delta.sectors[i];
+  }
+  std::sort(lengths.begin(), lengths.end()); // any numbering gives the same bits
+  double reach = 0.0;
+  for (const double length : lengths)
+  {
+    reach += this->Options.propagationRange * length / static_cast<double>(lengths.size());
+  }
+  return std::make_pair(Link{ star.edges[axes.up].edge, star.edges[axes.up].end, delta, {} }, reach);
+}
+
+std::optional<Converter::Link> Converter::measure(Link& link, double distance, double range) const
+{
+  const ComplexEdge& edge = this->Complex.edges[link.edge];
+  const FanSector& sector = this->Rules.edges[link.edge].fans.front().sectors.front();
+  const ComplexBlock& owner = this->Complex.blocks[sector.block];
+  const auto pointAt = [&](int k) {
+    return owner.points(sector.point(owner, link.end == 0 ? k : edge.cells - k, 0, 0));
+  };
+  link.distances.assign(edge.cells + 1, 0.0);
+  for (int k = 0; k <= edge.cells; ++k)
+  {
+    distance += k > 0 ? (pointAt(k) - pointAt(k - 1)).norm() : 0.0;
+    link.distances[link.end == 0 ? k : edge.cells - k] = distance;
+  }
+  const int top = edge.vertices[1 - link.end];
+  if (distance >= range || this->Complex.vertices[top].boundary)
+  {
+    return {};
+  }
+  const Star above = this->makeStar(top);
+  int down = 0;
+  while (above.edges[down].edge != link.edge || above.edges[down].end != 1 - link.end)
+  {
+    ++down;
+  }
+  int up = 0;
+  while (up < static_cast<int>(above.edges.size()) && (up == down || !this->areStacked(above, up, down)))
+  {
+    ++up;
+  }
+  if (up == static_cast<int>(above.edges.size()))
+  {
+    return {};
+  }
+  // The next edge has a fan order of its own.
+  const Star::EdgeInfo& from = above.info[down];
+  const Star::EdgeInfo& to = above.info[up];
+  Link next{ above.edges[up].edge, above.edges[up].end, link.delta, {} };
+  for (int i = 0; i < next.delta.spokeCount(); ++i)
+  {
+    const std::size_t at = std::find(from.spokes.begin(), from.spokes.end(), to.spokes[i]) - from.spokes.begin();
+    next.delta.spokes[i] = link.delta.spokes[at];
+  }
+  for (int i = 0; i < next.delta.sectorCount(); ++i)
+  {
+    const auto& pair = above.faces[above.blocks[to.sectors[i]].faces[to.fan->sectors[i].along]].blocks;
+    const int block = pair[0] == to.sectors[i] ? pair[1] : pair[0];
+    const std::size_t at = std::find(from.sectors.begin(), from.sectors.end(), block) - from.sectors.begin();
+    next.delta.sectors[i] = link.delta.sectors[at];
+  }
+  return next;
+}
+
+void Converter::propagateFeet()
+{
+  if (this->Options.propagationRange == 0.0 ||
+    (!this->Options.body && this->GivenPoints.empty() && this->GivenNormals.empty()))
+  {
+    return;
+  }
+  const auto putLink = [](Numbers& numbers, const Link& link) {
+    numbers.put(link.edge);
+    numbers.put(link.end);
+    numbers.put(link.delta);
+  };
+  const auto getLink = [](Numbers& numbers) {
+    Link link;
+    link.edge = static_cast<int>(numbers.get());
+    link.end = static_cast<int>(numbers.get());
+    link.delta = numbers.getFan();
+    return link;
+  };
+
+  // The chain of edges above each vertex. Collected first: the layer rule must not see corrections.
+  struct Chain
+  {
+    double range;
+    double distance;
+    std::vector<Link> links;
+  };
+  std::vector<int> vertices;
+  for (int v = 0; v < static_cast<int>(this->Complex.vertices.size()); ++v)
+  {
+    if (this->Complex.vertices[v].boundary)
+    {
+      vertices.push_back(v);
+    }
+  }
+  const auto starts = gatherListsFromOwners<double>(
+    *this->Run.ranks, vertices.size(),
+    [&](std::size_t i) {
+      return this->Complex.blocks[this->Complex.vertices[vertices[i]].corners.front().block].rank;
+    },
+    [&](std::size_t i) {
+      Numbers numbers;
+      if (const auto first = this->firstLink(vertices[i]))
+      {
+        numbers.put(first->second);
+        putLink(numbers, first->first);
+      }
+      return std::move(numbers).values();
+    });
+  std::vector<Chain> chains;
+  for (const std::vector<double>& start : starts)
+  {
+    if (!start.empty())
+    {
+      Numbers numbers(start);
+      const double range = numbers.get();
+      chains.push_back({ range, 0.0, { getLink(numbers) } });
+    }
+  }
+  // All chains grow by one edge at a time.
+  std::vector<std::size_t> growing(chains.size());
+  std::iota(growing.begin(), growing.end(), 0);
+  while (!growing.empty())
+  {
+    const auto steps = gatherListsFromOwners<double>(
+      *this->Run.ranks, growing.size(),
+      [&](std::size_t i) {
+        const Link& link = chains[growing[i]].links.back();
+        return this->Complex.blocks[this->Rules.edges[link.edge].fans.front().sectors.front().block].rank;
+      },
+      [&](std::size_t i) {
+        const Chain& chain = chains[growing[i]];
+        Link link = chain.links.back();
+        const auto next = this->measure(link, chain.distance, chain.range);
+        Numbers numbers(link.distances);
+        if (next && chain.links.size() <= this->Complex.edges.size())
+        {
+          putLink(numbers, *next);
+        }
+        return std::move(numbers).values();
+      });
+    std::vector<std::size_t> left;
+    for (std::size_t i = 0; i < growing.size(); ++i)
+    {
+      Chain& chain = chains[growing[i]];
+      Link& link = chain.links.back();
+      Numbers numbers(steps[i]);
+      link.distances.resize(this->Complex.edges[link.edge].cells + 1);
+      std::generate(link.distances.begin(), link.distances.end(), [&] { return numbers.get(); });
+      chain.distance = link.end == 0 ? link.distances.back() : link.distances.front();
+      if (!numbers.atEnd())
+      {
+        chain.links.push_back(getLink(numbers));
+        left.push_back(growing[i]);
+      }
+    }
+    growing = std::move(left);
+  }
+  for (const Chain& chain : chains)
+  {
+    const double range = std::min(chain.range, chain.distance);
+    for (const Link& link : chain.links)
+    {
+      Correction correction{ link.delta, {} };
+      for (const double d : link.distances)
+      {
+        correction.weights.push_back(std::max(0.0, 1.0 - d / range));
+      }
+      this->Corrections[link.edge].push_back(correction);
+    }
+  }
+}
+
+} // namespace bsv

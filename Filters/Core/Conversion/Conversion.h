@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Conversion.h
+/// From a block complex to tricubic B-spline blocks with clamped integer knots, by double knot insertion where the
+/// blocks are regular and by Catmull-Clark limit rules elsewhere.
+#pragma once
+
+#include "Complex/BlockComplex.h"
+#include "Volume/ControlPointRule.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace bsv
+{
+
+class BodySurface;
+
+/// What a named boundary is.
+enum class BoundaryRole : std::uint8_t
+{
+  Other,
+  Body,
+  Symmetry
+};
+
+/// Which planar block sides keep their points.
+enum class PlanarSides : std::uint8_t
+{
+  /// Planar sides of the outer boundary that are neither body nor symmetry plane, and the sides to which a far-field
+  /// extension is attached (FarField.h). A side of the boundary ends at sharp edges; the whole mesh lies behind it, and
+  /// it borders on planar sides only.
+  FarField,
+  All,      ///< every planar block side but the body's, inner ones too (these joins are then C0 only)
+  None
+};
+
+/// How the inserted point diagonally between two edges is found at extraordinary edges and vertices (LayerRules.h).
+enum class Twist : std::uint8_t
+{
+  SecondFundamentalForm, ///< from the curvature of the layer or surface
+  Parallelogram,         ///< fourth point of a parallelogram
+  Mask,                  ///< mask 4/9 2/9 2/9 1/9 of the mesh points
+  /// At body vertices the parallelogram plus x_uv / 9 of the given surface (5.39)-(5.41), elsewhere the parallelogram: the
+  /// source's rule, to reproduce it. It depends on the surface's parametrisation. Needs ConversionOptions::body.
+  Literal
+};
+
+/// Where the first inserted layer of the far-field extension lies.
+enum class FarFieldSpacing : std::uint8_t
+{
+  /// As everywhere: at a third of the extension's first cell.
+  Off,
+  /// At the distance between the last two layers of control points before the extension, p^K and p_{K-1/3}, averaged
+  /// over the side of the cuboid. Blocks at edges and corners take the distance of each side whose plane they lie
+  /// beyond.
+  SideAverage,
+  /// At that distance at each vertex. C1 where mesh lines cross the side straight on; SideAverage is so on average.
+  PerVertex
+};
+
+struct ConversionOptions
+{
+  /// Role per entry of BlockComplex::boundaryNames; missing entries are Other.
+  std::vector<BoundaryRole> roles;
+  PlanarSides planarSides = PlanarSides::FarField;
+  /// A side is planar if its points are closer to a plane than this fraction of its bounding box's diagonal.
+  double planarTolerance = 1e-6;
+  Twist twist = Twist::SecondFundamentalForm;
+  /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
+  double wallSpacing = 2.0 / 3.0;
+  /// Take c = (2 + ln g) / (3 + ln g) instead, g = |p_2 - p_1| / |p_1 - p_0| the growth of the layers at each wall
+  /// vertex: the value with which the spacing of the converted layers starts with the growth ln g per span.
+  bool automaticWallSpacing = false;
+  /// c per entry of BlockComplex::boundaryNames instead of these, NaN where none is given.
+  std::vector<double> boundaryWallSpacing;
+  /// Per block of the mesh: c at every mesh point, i fastest, or null; only points of the wall count, NaN marks those
+  /// without a value. It has precedence over all of these. A wall vertex has one c: where boundaries or blocks give
+  /// different ones, their mean. This and the arrays below: null for blocks of other ranks.
+  std::vector<const double*> wallSpacingPoints;
+  FarFieldSpacing farFieldSpacing = FarFieldSpacing::SideAverage;
+  /// Per block of the mesh, whether it belongs to the far-field extension; blocks attached to it by an edge or a corner
+  /// are found through it. Empty: the extension is recognised (FarField.h).
+  std::vector<bool> extensionBlocks;
+  /// How far what the rules of the outer surface changed is carried into the layers, which would fold otherwise: above
+  /// creases as a multiple of the depth by which the smooth rule would round them (CreaseColumns.h), above extraordinary
+  /// body vertices in local edge lengths (BodyPropagation.cpp). At least 0, 0 is off.
+  double propagationRange = 8.0;
+  /// The body, or null. Its closest points to the limit points of extraordinary body vertices, with normal and second
+  /// fundamental form, take the place of what is estimated from the mesh.
+  const BodySurface* body = nullptr;
+  /// Per block of the mesh (not of the complex): given projection point and unit normal of every mesh point, three
+  /// doubles each, i fastest, or null. NaN marks points without a value. Used at extraordinary body vertices only, where
+  /// they have precedence over `body`.
+  std::vector<const double*> projectedPoints;
+  std::vector<const double*> surfaceNormals;
+  /// Compute only control points on faces, edges and vertices that touch blocks at the wall, and leave all others as
+  /// they are; no far-field spacing, no counts.
+  bool wallOnly = false;
+};
+
+/// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller. Null
+/// for blocks of other ranks.
+struct ControlNetStorage
+{
+  double* points = nullptr;
+  std::uint8_t* rules = nullptr;
+};
+
+struct ConversionReport
+{
+  /// Counted once per block that holds them.
+  RuleCounts controlPoints{};
+  Index singularNodes = 0;
+  Index planarFaces = 0;
+  /// Distances of the first inserted layer per side with a far-field extension (PerVertex: their mean).
+  std::vector<double> extensionDistances;
+  /// Places where this distance would reach over 2/3 of the extension's first cell and was cut to that.
+  Index limitedDistances = 0;
+  /// Smallest and largest c at the wall.
+  std::array<double, 2> wallSpacing{ 2.0 / 3.0, 2.0 / 3.0 };
+};
+
+/// Converts every block. `nets` has one entry per block of the complex. Collective: every rank converts its own blocks
+/// and gets the report of all.
+/// Shared control points are computed once, by the entity that owns them, from sums that do not depend on the order of
+/// their terms: results are the same bits for any numbering and orientation of the blocks, any distribution of them
+/// over ranks and any `run`.
+///
+/// @throws Error for options out of range, Aborted if the caller stops it.
+ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
+  const std::vector<ControlNetStorage>& nets, const Execution& run = {});
+
+} // namespace bsv

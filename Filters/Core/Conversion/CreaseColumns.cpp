@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Conversion/CreaseColumns.h"
+
+#include "Ranks/OwnedValues.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bsv
+{
+namespace
+{
+
+/// What the depth above one surface point is measured by.
+struct DepthScale
+{
+  Vec3 area;       ///< vector area of the surface around the point, of either sign
+  double rounding; ///< |area . delta|
+};
+
+/// A point of a crease with its scale.
+struct Foot
+{
+  std::array<double, 3> point;
+  std::array<double, 3> area;
+  double rounding;
+};
+
+/// Sum that does not depend on the order of the vectors.
+Vec3 sortedSum(std::vector<Vec3>& vectors)
+{
+  Vec3 sum = Vec3::Zero();
+  for (int d = 0; d < 3; ++d)
+  {
+    std::sort(vectors.begin(), vectors.end(), [d](const Vec3& a, const Vec3& b) { return a[d] < b[d]; });
+    for (const Vec3& vector : vectors)
+    {
+      sum[d] += vector[d];
+    }
+  }
+  return sum;
+}
+
+/// At a vertex delta is that of the Catmull-Clark limit: (4 sum (e - p) + sum (f - p)) / (n (n + 5)).
+DepthScale scaleAtVertex(const BlockComplex& complex, int vertex)
+{
+  const VertexStar star = vertexStar(complex, vertex);
+  std::vector<Vec3> areas, offsets;
+  for (const VertexStar::Edge& edge : star.edges)
+  {
+    if (edge.boundary)
+    {
+      offsets.push_back(4.0 * (edge.point - star.point));
+    }
+  }
+  double faces = 0.0;
+  for (std::size_t f = 0; f < star.faces.size(); ++f)
+  {
+    const VertexStar::Face& face = star.faces[f];
+    if (!face.boundary)
+    {
+      continue;
+    }
+    faces += 1.0;
+    offsets.push_back(face.point - star.point);
+    const auto edgeVector = [&](int e) { return Vec3(star.edges[e].point - star.point); };
+    const Vec3 area = edgeVector(face.edges[0]).cross(edgeVector(face.edges[1]));
+    // All areas point into the mesh.
+    const VertexStar::Block& block = star.blocks[face.blocks[0]];
+    for (int d = 0; d < 3; ++d)
+    {
+      if (block.faces[d] == static_cast<int>(f))
+      {
+        areas.push_back(area.dot(edgeVector(block.edges[d])) < 0.0 ? Vec3(-area) : area);
+      }
+    }
+  }
+  const Vec3 area = sortedSum(areas);
+  return { area, std::abs(area.dot(sortedSum(offsets))) / (faces * (faces + 5.0)) };
+}
+
+/// The scales at every mesh point of a crease edge. Between its vertices delta is that of the mask [1/6 2/3 1/6].
+std::vector<DepthScale> depthScales(const BlockComplex& complex, int edge, const EdgeFan& fan)
+{
+  const ComplexEdge& shared = complex.edges[edge];
+  const FanSector& first = fan.sectors.front();
+  const FanSector& last = fan.sectors.back();
+  const ComplexBlock& firstOwner = complex.blocks[first.block];
+  const ComplexBlock& lastOwner = complex.blocks[last.block];
+  std::vector<DepthScale> scales(shared.cells + 1);
+  for (int k = 1; k < shared.cells; ++k)
+  {
+    const auto pointAt = [&](int layer) { return firstOwner.points(first.point(firstOwner, layer, 0, 0)); };
+    const Vec3 left = firstOwner.points(first.point(firstOwner, k, 1, 0));
+    const Vec3 right = lastOwner.points(last.point(lastOwner, k, 0, 1));
+    scales[k].area = (left - right).cross(pointAt(k + 1) - pointAt(k - 1));
+    scales[k].rounding = std::abs(scales[k].area.dot((left + right) - 2.0 * pointAt(k))) / 6.0;
+  }
+  scales.front() = scaleAtVertex(complex, shared.vertices[0]);
+  scales.back() = scaleAtVertex(complex, shared.vertices[1]);
+  return scales;
+}
+
+std::vector<Foot> feetOf(const BlockComplex& complex, int edge, const EdgeFan& fan)
+{
+  const FanSector& start = fan.sectors.front();
+  const ComplexBlock& owner = complex.blocks[start.block];
+  std::vector<Foot> feet;
+  for (const DepthScale& scale : depthScales(complex, edge, fan))
+  {
+    const Vec3 x = owner.points(start.point(owner, static_cast<int>(feet.size()), 0, 0));
+    feet.push_back({ { x[0], x[1], x[2] }, { scale.area[0], scale.area[1], scale.area[2] }, scale.rounding });
+  }
+  return feet;
+}
+
+/// A block face seen from the edge at its foot: mesh lines m rise from the edge through points k = 0, 1, ...
+struct Column
+{
+  const std::vector<Foot>* feet; ///< of the crease where it starts, per m
+  int block;
+  int face;
+  int edge;     ///< block edge at the foot
+  bool against; ///< the block edge runs against m
+
+  int axis() const { return faceAxis(this->face, 0) == edgeDirection(this->edge) ? 0 : 1; }
+  int side() const { return faceEdge(this->face, this->axis(), 0) == this->edge ? 0 : 1; }
+  int topEdge() const { return faceEdge(this->face, this->axis(), 1 - this->side()); }
+};
+
+/// Enlarges `keep` of the column's face at the points that are known here.
+/// @return whether the weight has not faded out at the top.
+bool fillColumn(const BlockComplex& complex, const Column& column, double range, EntityRules& rules)
+{
+  const ComplexBlock& owner = complex.blocks[column.block];
+  if (owner.points.isElsewhere())
+  {
+    return false;
+  }
+  const int lines = static_cast<int>(column.feet->size());
+  const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+  const int rise = cells[faceAxis(column.face, 1 - column.axis())];
+  FaceRule& rule = rules.faces[owner.faces[column.face]];
+  rule.keep.resize(std::size_t(lines) * (rise + 1), 0.0);
+  bool reaches = false;
+  for (int m = 0; m < lines; ++m)
+  {
+    const Foot& foot = (*column.feet)[m];
+    const double reach = range * foot.rounding;
+    const int along = column.against ? lines - 1 - m : m;
+    for (int k = 0; k <= rise; ++k)
+    {
+      const int up = column.side() == 0 ? k : rise - k;
+      const int s = column.axis() == 0 ? along : up;
+      const int t = column.axis() == 0 ? up : along;
+      const Ijk ijk = facePoint(cells, column.face, s, t);
+      if (!owner.points.has(ijk))
+      {
+        continue;
+      }
+      const Vec3 offset = owner.points(ijk) - Vec3(foot.point.data());
+      const double depth = std::abs(Vec3(foot.area.data()).dot(offset));
+      const double weight = depth < reach ? 1.0 - depth / reach : 0.0;
+      double& keep = rule.keep[keepIndex(complex, column.block, column.face, s, t)];
+      keep = std::max(keep, weight);
+      reaches = reaches || (k == rise && weight > 0.0);
+    }
+  }
+  return reaches;
+}
+
+/// The face that continues a column through the edge at its top, at which four blocks meet like in one grid.
+Column nextColumn(const Column& column, const EdgeFan& top)
+{
+  int spoke = 0;
+  while (top.sectors[spoke].block != column.block || top.sectors[spoke].edge != column.topEdge())
+  {
+    ++spoke;
+  }
+  const bool against = column.against != top.sectors[spoke].reversed;
+  if (top.sectors[spoke].spokeFace(0) != column.face)
+  {
+    spoke = (spoke + 1) % 4;
+  }
+  const FanSector& next = top.sectors[(spoke + 2) % 4];
+  return { column.feet, next.block, next.spokeFace(0), next.edge, against != next.reversed };
+}
+
+} // namespace
+
+void markCreaseColumns(const BlockComplex& complex, double range, EntityRules& rules, const Ranks& ranks)
+{
+  if (range <= 0.0)
+  {
+    return;
+  }
+  std::vector<int> creases;
+  for (std::size_t e = 0; e < complex.edges.size(); ++e)
+  {
+    const EdgeRule& foot = rules.edges[e];
+    if (foot.feature && foot.rule == ControlPointRule::Crease && foot.fans.size() == 1 &&
+      foot.fans.front().sectors.size() == 2)
+    {
+      creases.push_back(static_cast<int>(e));
+    }
+  }
+  const auto fanOf = [&](std::size_t i) -> const EdgeFan& { return rules.edges[creases[i]].fans.front(); };
+  const std::vector<std::vector<Foot>> feet = gatherListsFromOwners<Foot>(
+    ranks, creases.size(), [&](std::size_t i) { return complex.blocks[fanOf(i).sectors.front().block].rank; },
+    [&](std::size_t i) { return feetOf(complex, creases[i], fanOf(i)); });
+
+  std::vector<Column> columns;
+  for (std::size_t i = 0; i < creases.size(); ++i)
+  {
+    const FanSector& start = fanOf(i).sectors[1];
+    columns.push_back({ &feet[i], start.block, start.spokeFace(0), start.edge, start.reversed });
+  }
+  // All columns rise by one face at a time; each has every face once at the most: a ring of faces of no extent would
+  // have no end.
+  for (std::size_t steps = 0; steps < complex.faces.size() && !columns.empty(); ++steps)
+  {
+    std::vector<char> fills;
+    ranks.together([&] {
+      for (const Column& column : columns)
+      {
+        fills.push_back(fillColumn(complex, column, range, rules));
+      }
+    });
+    const std::vector<char> reaches = gatherFromOwners<char>(
+      ranks, columns.size(), [&](std::size_t i) { return complex.blocks[columns[i].block].rank; },
+      [&](std::size_t i) { return fills[i]; });
+    std::vector<Column> next;
+    for (std::size_t i = 0; i < columns.size(); ++i)
+    {
+      const EdgeRule& top = rules.edges[complex.blocks[columns[i].block].edges[columns[i].topEdge()]];
+      if (reaches[i] && top.regular())
+      {
+        next.push_back(nextColumn(columns[i], top.fans.front()));
+      }
+    }
+    columns = std::move(next);
+  }
+}
+
+} // namespace bsv

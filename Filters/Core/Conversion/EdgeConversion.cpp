@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Conversion/Converter.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace bsv
+{
+
+Fan Converter::meshFan(const EdgeFan& fan, int k) const
+{
+  Fan result;
+  result.closed = fan.closed;
+  for (const FanSector& sector : fan.sectors)
+  {
+    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    result.center = owner.points(sector.point(owner, k, 0, 0));
+    result.spokes.push_back(owner.points(sector.point(owner, k, 1, 0)));
+    result.sectors.push_back(owner.points(sector.point(owner, k, 1, 1)));
+  }
+  if (!fan.closed)
+  {
+    const ComplexBlock& owner = this->Complex.blocks[fan.sectors.back().block];
+    result.spokes.push_back(owner.points(fan.sectors.back().point(owner, k, 0, 1)));
+  }
+  return result;
+}
+
+std::vector<double> Converter::nearWeights(const EdgeFan& fan, int k) const
+{
+  // The second spoke of a sector leaves the block face on which the first one lies, and the other way round.
+  std::vector<double> weights(fan.spokeCount(), KnotInsertion);
+  for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
+  {
+    const FanSector& sector = fan.sectors[i];
+    const Ijk point = sector.point(this->Complex.blocks[sector.block], k, 0, 0);
+    for (const int which : { 0, 1 })
+    {
+      double& weight = weights[(i + 1 - which) % fan.spokeCount()];
+      const double own = this->Layer.weight(sector.block, sector.spokeFace(which), point);
+      weight = own == KnotInsertion ? weight : weight == KnotInsertion ? own : std::max(weight, own);
+    }
+  }
+  return weights;
+}
+
+double Converter::layerRatio(int block, int face, const Ijk& point, const Ijk& reference) const
+{
+  if (!this->Layer.varies(block, face))
+  {
+    return 1.0;
+  }
+  const double weight = this->Layer.weight(block, face, point);
+  const double other = this->Layer.weight(block, face, reference);
+  return weight == other ? 1.0 : (1.0 - weight) / (1.0 - other);
+}
+
+void Converter::adjustSectors(Fan& points, const EdgeFan& fan, int k) const
+{
+  for (int i = 0; i < points.sectorCount(); ++i)
+  {
+    const FanSector& sector = fan.sectors[i];
+    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    const Ijk center = sector.point(owner, k, 0, 0);
+    const double first =
+      this->layerRatio(sector.block, sector.spokeFace(0), sector.point(owner, k, 1, 0), center);
+    const double second =
+      this->layerRatio(sector.block, sector.spokeFace(1), sector.point(owner, k, 0, 1), center);
+    const Vec3 point = points.sectors[i];
+    const Vec3 offsets[2] = { (first - 1.0) * (point - points.spokes[i]),
+      (second - 1.0) * (point - points.spokes[points.nextSpoke(i)]) };
+    if (first != 1.0 || second != 1.0)
+    {
+      points.sectors[i] += offsets[0] + offsets[1];
+    }
+  }
+}
+
+double Converter::keepAt(int block, int face, const Ijk& point) const
+{
+  const std::vector<double>& keep = this->Rules.faces[this->Complex.blocks[block].faces[face]].keep;
+  return keep.empty()
+    ? 0.0
+    : keep[keepIndex(this->Complex, block, face, point[faceAxis(face, 0)], point[faceAxis(face, 1)])];
+}
+
+std::vector<SpokeKeep> Converter::spokeKeeps(const EdgeFan& fan, int k) const
+{
+  std::vector<SpokeKeep> keeps(fan.spokeCount());
+  for (int i = 0; i < fan.spokeCount(); ++i)
+  {
+    const auto [sector, which] = fan.spoke(i);
+    const ComplexBlock& owner = this->Complex.blocks[sector->block];
+    const int face = sector->spokeFace(which);
+    keeps[i].center = this->keepAt(sector->block, face, sector->point(owner, k, 0, 0));
+    keeps[i].step = this->keepAt(sector->block, face, sector->point(owner, k, which == 0 ? 1 : 0, which == 0 ? 0 : 1));
+  }
+  return keeps;
+}
+
+void Converter::adjustLayer(Fan& points, const EdgeFan& fan, int base) const
+{
+  const Fan below = this->meshFan(fan, base);
+  const auto ratioAt = [&](const FanSector& sector, int a, int b) {
+    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    const bool upper = sector.reversed ? base == 0 : base != 0;
+    return this->layerRatio(sector.block, 2 * sector.along + (upper ? 1 : 0), sector.point(owner, base, a, b),
+      sector.point(owner, base, 0, 0));
+  };
+  std::vector<double> spokes(points.spokeCount(), 1.0);
+  for (int i = 0; i < points.sectorCount(); ++i)
+  {
+    const FanSector& sector = fan.sectors[i];
+    points.sectors[i] += (ratioAt(sector, 1, 1) - 1.0) * (points.sectors[i] - below.sectors[i]);
+    // A spoke is seen by two sectors; one of them may have no wall below.
+    for (const int which : { 0, 1 })
+    {
+      double& ratio = spokes[(i + which) % points.spokeCount()];
+      const double own = which == 0 ? ratioAt(sector, 1, 0) : ratioAt(sector, 0, 1);
+      ratio = own == 1.0 ? ratio : ratio == 1.0 ? own : std::max(ratio, own);
+    }
+  }
+  for (int i = 0; i < points.spokeCount(); ++i)
+  {
+    points.spokes[i] += (spokes[i] - 1.0) * (points.spokes[i] - below.spokes[i]);
+  }
+}
+
+Fan Converter::controlFan(int edge, const EdgeFan& fan, int k, int base) const
+{
+  Fan points = this->meshFan(fan, k);
+  this->adjustSectors(points, fan, k);
+  if (base >= 0)
+  {
+    this->adjustLayer(points, fan, base);
+  }
+  const std::vector<double> weights = this->nearWeights(fan, k);
+  const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
+  if (!this->Rules.edges[edge].anchored)
+  {
+    Fan result = fadedFan(points, this->Options.twist, weights, keeps);
+    const auto corrections = this->Corrections.find(edge);
+    if (corrections != this->Corrections.end())
+    {
+      // At most one comes from either end: their sum does not depend on the order.
+      const auto correct = [&](Vec3& point, const auto& deltaOf) {
+        Vec3 sum = Vec3::Zero();
+        for (const Correction& correction : corrections->second)
+        {
+          sum += correction.weights[k] * deltaOf(correction.delta);
+        }
+        point += sum;
+      };
+      correct(result.center, [](const Fan& delta) { return delta.center; });
+      for (int i = 0; i < result.spokeCount(); ++i)
+      {
+        correct(result.spokes[i], [i](const Fan& delta) { return delta.spokes[i]; });
+      }
+      for (int i = 0; i < result.sectorCount(); ++i)
+      {
+        correct(result.sectors[i], [i](const Fan& delta) { return delta.sectors[i]; });
+      }
+    }
+    return result;
+  }
+  std::vector<Vec3> along = points.spokes;
+  const int sectors = points.sectorCount();
+  for (int i = 0; i < points.spokeCount(); ++i)
+  {
+    const int face = fan.faceOf(this->Complex, i);
+    if (!this->Complex.faces[face].boundary() && !this->Rules.faces[face].planar())
+    {
+      along[i] = fadedMask(
+        points.sectors[(i + sectors - 1) % sectors], points.spokes[i], points.sectors[i % sectors], keeps[i].step);
+    }
+  }
+  return anchoredFan(points, points.center, along, weights);
+}
+
+void Converter::convertEdge(int edge)
+{
+  const ComplexEdge& shared = this->Complex.edges[edge];
+  const EdgeRule& edgeRule = this->Rules.edges[edge];
+  for (const EdgeFan& fan : edgeRule.fans)
+  {
+    const bool ordinary = edgeRule.rule != ControlPointRule::ExtraordinaryEdge;
+    bool connection = false;
+    for (int i = 0; i < fan.spokeCount(); ++i)
+    {
+      connection = connection || this->Rules.faces[fan.faceOf(this->Complex, i)].connection;
+    }
+    const auto ruleOf = [&](double weightFirst, double weightSecond) {
+      return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? layerRule(connection)
+                                                                                         : edgeRule.rule;
+    };
+    for (int k = 1; k < shared.cells; ++k)
+    {
+      const std::vector<double> weights = this->nearWeights(fan, k);
+      const Fan values = this->controlFan(edge, fan, k);
+      const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
+      std::vector<bool> kept;
+      std::transform(
+        keeps.begin(), keeps.end(), std::back_inserter(kept), [](const SpokeKeep& keep) { return keep.any(); });
+      const bool keepsAny = std::find(kept.begin(), kept.end(), true) != kept.end();
+      const bool keepsAll = keptLinesMeet(fan.closed, kept);
+      const auto spokeRule = [&](int i) {
+        return kept[i] || keepsAll ? ControlPointRule::Crease : ruleOf(weights[i], KnotInsertion);
+      };
+      for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
+      {
+        const FanSector& sector = fan.sectors[i];
+        const ComplexBlock& owner = this->Complex.blocks[sector.block];
+        const int next = (i + 1) % fan.spokeCount();
+        const auto put = [&](int a, int b, const Vec3& point, ControlPointRule rule) {
+          Ijk ijk;
+          ijk[sector.along] = innerPosition(sector.reversed ? shared.cells - k : k);
+          ijk[sector.first] = endPosition(sector.side(sector.first), a, owner.cells(sector.first));
+          ijk[sector.second] = endPosition(sector.side(sector.second), b, owner.cells(sector.second));
+          this->write(sector.block, ijk, point, rule);
+        };
+        put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
+        put(1, 0, values.spokes[i], spokeRule(i));
+        put(0, 1, values.spokes[next], spokeRule(next));
+        put(1, 1, values.sectors[i], keepsAll ? ControlPointRule::Crease : ruleOf(weights[i], weights[next]));
+      }
+    }
+  }
+}
+
+} // namespace bsv

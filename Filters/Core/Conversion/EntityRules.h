@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file EntityRules.h
+/// Which rule each face and edge of the complex follows. Decided once per global entity, never per block side.
+#pragma once
+
+#include "Conversion/Conversion.h"
+#include "Complex/EdgeFans.h"
+#include "Conversion/FarField.h"
+#include "Complex/LocalStars.h"
+
+#include <vector>
+
+namespace bsv
+{
+
+struct FaceRule
+{
+  BoundaryRole role = BoundaryRole::Other;
+  /// The planar side that this face belongs to, whose points are kept (ConversionOptions::planarSides), or -1.
+  int planarSide = -1;
+  /// Of an inner face that rises from a crease: how far its mesh points are kept as they are, from 0 (the smooth mask
+  /// across the face) to 1; one value per point, in the axes of the face's first use, s fastest. Empty: smooth.
+  /// Only at points that are known on this rank, 0 at others.
+  std::vector<double> keep;
+
+  /// Inner face of a side to which a far-field extension is attached.
+  bool connection = false;
+
+  bool planar() const { return this->planarSide >= 0; }
+};
+
+struct EdgeRule
+{
+  std::vector<EdgeFan> fans;
+  /// Boundary edge where the outer surface is not smooth: a single block, a crease, a change between body, symmetry
+  /// plane, planar sides and other boundaries, or blocks that touch along the edge only.
+  bool feature = false;
+  /// The centre of the layers around this edge keeps its points (features, planar sides, fans too small to be smooth).
+  bool anchored = false;
+  ControlPointRule rule = ControlPointRule::Regular;
+
+  /// Interior edge of four blocks under the regular rule.
+  bool regular() const { return this->rule == ControlPointRule::Regular; }
+};
+
+struct EntityRules
+{
+  std::vector<FaceRule> faces;
+  std::vector<EdgeRule> edges;
+  Index planarFaces = 0;
+  /// Where a far-field extension is attached; none if there are no planar sides.
+  std::vector<FarFieldSide> farField;
+
+  /// Rule of the points of a boundary face.
+  ControlPointRule boundaryRule(int face) const;
+};
+
+/// Place of mesh point (s, t) of a block's face in FaceRule::keep.
+std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, int t);
+
+/// The same on all ranks, but for FaceRule::keep. Collective.
+///@{
+EntityRules classify(const BlockComplex& complex, const ConversionOptions& options, const Execution& run);
+EntityRules classify(const LocalStars& stars, const ConversionOptions& options, const Execution& run);
+///@}
+
+} // namespace bsv

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Body/ClosestPoint.h"
+#include "Conversion/Converter.h"
+#include "Ranks/OwnedValues.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+namespace bsv
+{
+
+void Converter::convertSurface(Star& star) const
+{
+  const auto [spokes, sectors] = boundaryRing(star);
+  if (sectors.empty())
+  {
+    this->convertTouchingSurfaces(star);
+    return;
+  }
+  const int n = static_cast<int>(spokes.size());
+  Fan fan;
+  fan.center = star.point;
+  std::vector<double> weights;
+  std::vector<int> features;
+  std::vector<bool> kept, planar;
+  std::vector<SpokeKeep> keeps;
+  bool body = true, wall = false;
+  for (int i = 0; i < n; ++i)
+  {
+    fan.spokes.push_back(star.edges[spokes[i]].point);
+    fan.sectors.push_back(star.faces[sectors[i]].point);
+    weights.push_back(star.near[spokes[i]]);
+    const VertexStar::Edge& edge = star.edges[spokes[i]];
+    const EdgeRule& edgeRule = this->Rules.edges[edge.edge];
+    if (edgeRule.feature)
+    {
+      features.push_back(i);
+    }
+    kept.push_back(edgeRule.anchored);
+    planar.push_back(this->Rules.faces[star.faces[sectors[i]].face].planar());
+    // A face that rises from a crease and ends in this surface.
+    keeps.emplace_back();
+    const EdgeFan& edgeFan = edgeRule.fans.front();
+    if (edgeRule.fans.size() == 1 && edgeFan.sectors.size() == 2)
+    {
+      const int cells = this->Complex.edges[edge.edge].cells;
+      keeps.back().center = this->spokeKeeps(edgeFan, edge.end == 0 ? 0 : cells)[1].center;
+      keeps.back().step = this->spokeKeeps(edgeFan, edge.end == 0 ? 1 : cells - 1)[1].center;
+    }
+    body = body && this->isWall(star.faces[sectors[i]].face);
+    wall = wall || this->isWall(star.faces[sectors[i]].face);
+  }
+
+  // Where the side of a far-field extension ends in a symmetry plane or another boundary, it keeps its points.
+  Fan result = fan;
+  if ((star.connection && !wall) || planar == std::vector<bool>(n, true))
+  {
+    star.rule = ControlPointRule::PlanarSide;
+    result = creasedFan(fan, {}, kept, planar, this->Options.twist, weights, keeps).points;
+  }
+  else if (features.size() < 2 && n >= 3)
+  {
+    // No feature, or one that ends here (a dart): smooth.
+    star.surfaceIsSmooth = features.empty();
+    result = this->smoothSurfaceFan(star, fan, weights, keeps, body);
+    star.rule = n == 4 ? this->Rules.boundaryRule(star.faces[sectors[0]].face)
+      : body           ? ControlPointRule::BodyExtraordinaryVertex
+                       : ControlPointRule::Boundary;
+  }
+  else
+  {
+    const CreasedFan creased = creasedFan(fan, features, kept, planar, this->Options.twist, weights, keeps);
+    result = creased.points;
+    star.rule = creased.crease ? ControlPointRule::Crease : ControlPointRule::Corner;
+    if (creased.crease)
+    {
+      star.crease = { spokes[features[0]], spokes[features[1]] };
+      for (int c = 0; c < 2; ++c)
+      {
+        // Groups of two sectors are regular: there the rule is exact.
+        const int size = (features[1 - c] - features[c] + n) % n;
+        const bool anyPlanar = std::find(planar.begin(), planar.end(), true) != planar.end();
+        BodyFoot foot;
+        if (body && !anyPlanar && size > 2 && this->sectorFoot(result, features[c], size, foot))
+        {
+          projectGroup(result, features[c], size, foot, this->Options.twist);
+          star.hasFoot = true;
+        }
+      }
+    }
+  }
+  const bool crease = star.rule == ControlPointRule::Crease;
+  const auto isFeature = [&](int i) { return std::find(features.begin(), features.end(), i) != features.end(); };
+  std::vector<ControlPointRule> spokeRules(n, star.rule), sectorRules(n, star.rule);
+  for (int i = 0; i < n; ++i)
+  {
+    if (planar[i])
+    {
+      sectorRules[i] = ControlPointRule::PlanarSide;
+    }
+    else if (crease)
+    {
+      sectorRules[i] = this->Rules.boundaryRule(star.faces[sectors[i]].face);
+    }
+    if (!isFeature(i) && crease)
+    {
+      spokeRules[i] = sectorRules[i];
+    }
+    if (keeps[i].any() && features.empty())
+    {
+      spokeRules[i] = star.rule = ControlPointRule::Crease;
+    }
+  }
+  std::vector<bool> keptSpokes;
+  for (const SpokeKeep& keep : keeps)
+  {
+    keptSpokes.push_back(features.empty() && keep.any());
+  }
+  if (keptLinesMeet(true, keptSpokes))
+  {
+    spokeRules.assign(n, ControlPointRule::Crease);
+    sectorRules.assign(n, ControlPointRule::Crease);
+  }
+
+  star.center = result.center;
+  for (int i = 0; i < n; ++i)
+  {
+    star.edgePoints[spokes[i]] = result.spokes[i];
+    star.edgeRules[spokes[i]] = spokeRules[i];
+    star.facePoints[sectors[i]] = result.sectors[i];
+    star.faceRules[sectors[i]] = sectorRules[i];
+  }
+}
+
+void Converter::convertTouchingSurfaces(Star& star) const
+{
+  // Surfaces touch at a point or along an edge: nothing is smooth here.
+  star.rule = ControlPointRule::Corner;
+  for (std::size_t e = 0; e < star.edges.size(); ++e)
+  {
+    if (star.edges[e].boundary)
+    {
+      star.edgePoints[e] = insertMask(star.center, star.edges[e].point, star.near[e]);
+      star.edgeRules[e] = ControlPointRule::Corner;
+    }
+  }
+  for (std::size_t f = 0; f < star.faces.size(); ++f)
+  {
+    if (!star.faces[f].boundary)
+    {
+      continue;
+    }
+    const auto& ends = star.faces[f].edges;
+    const Vec3 corners[4] = { star.center, star.edges[ends[0]].point, star.edges[ends[1]].point, star.faces[f].point };
+    const double weights[2] = { star.near[ends[0]], star.near[ends[1]] };
+    star.facePoints[f] = multilinear(corners, weights, 2);
+    star.faceRules[f] = ControlPointRule::Corner;
+  }
+}
+
+void Converter::collectGiven()
+{
+  const auto isGiven = [&](const std::vector<const double*>& arrays) {
+    return this->Run.ranks->any(
+      std::any_of(arrays.begin(), arrays.end(), [](const double* array) { return array != nullptr; }));
+  };
+  const bool points = isGiven(this->Options.projectedPoints);
+  const bool normals = isGiven(this->Options.surfaceNormals);
+  if (!points && !normals)
+  {
+    return;
+  }
+  std::set<int> vertices;
+  for (std::size_t face = 0; face < this->Complex.faces.size(); ++face)
+  {
+    if (this->isWall(static_cast<int>(face)))
+    {
+      const FaceUse& use = this->Complex.faces[face].uses.front();
+      for (int corner = 0; corner < 4; ++corner)
+      {
+        vertices.insert(this->Complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]);
+      }
+    }
+  }
+  struct Copy
+  {
+    int vertex;
+    CornerUse corner;
+  };
+  std::vector<Copy> copies;
+  for (const int vertex : vertices)
+  {
+    for (const CornerUse& corner : this->Complex.vertices[vertex].corners)
+    {
+      copies.push_back({ vertex, corner });
+    }
+  }
+  const auto collect = [&](const std::vector<const double*>& arrays, std::map<int, Vec3>& result) {
+    const auto values = gatherFromOwners<std::array<double, 3>>(
+      *this->Run.ranks, copies.size(),
+      [&](std::size_t i) { return this->Complex.blocks[copies[i].corner.block].rank; },
+      [&](std::size_t i) {
+        const ComplexBlock& owner = this->Complex.blocks[copies[i].corner.block];
+        const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
+        if (!array)
+        {
+          constexpr double NaN = std::numeric_limits<double>::quiet_NaN();
+          return std::array<double, 3>{ NaN, NaN, NaN };
+        }
+        // Strides of the parent's points are those of its arrays.
+        Index at = 0;
+        for (int d = 0; d < 3; ++d)
+        {
+          at += owner.points.stride(d) *
+            (owner.offset[d] + (cornerSide(copies[i].corner.corner, d) ? owner.cells(d) : 0));
+        }
+        return std::array<double, 3>{ array[3 * at], array[3 * at + 1], array[3 * at + 2] };
+      });
+    for (std::size_t i = 0; i < copies.size(); ++i)
+    {
+      // Copies may differ in the blocks: the smallest is as good as any and is the same in every order.
+      const Vec3 given(values[i].data());
+      const auto found = result.find(copies[i].vertex);
+      if (given.allFinite() &&
+        (found == result.end() ||
+          std::lexicographical_compare(
+            given.data(), given.data() + 3, found->second.data(), found->second.data() + 3)))
+      {
+        result[copies[i].vertex] = given;
+      }
+    }
+  };
+  if (points)
+  {
+    collect(this->Options.projectedPoints, this->GivenPoints);
+  }
+  if (normals)
+  {
+    collect(this->Options.surfaceNormals, this->GivenNormals);
+  }
+}
+
+bool Converter::bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const
+{
+  const auto givenAt = [&](const std::map<int, Vec3>& given, Vec3& value) {
+    const auto found = given.find(star.vertex);
+    value = found == given.end() ? value : found->second;
+    return found != given.end();
+  };
+  const bool hasPoint = givenAt(this->GivenPoints, foot.point);
+  const bool hasNormal = givenAt(this->GivenNormals, foot.normal) && foot.normal.norm() > 0.0;
+  if (!hasPoint && !hasNormal && !this->Options.body)
+  {
+    return false;
+  }
+  const Vec3 limit = smoothFan(fan, this->Options.twist, std::vector<double>(fan.spokeCount(), KnotInsertion)).center;
+  if (this->Options.body && !hasPoint && !hasNormal)
+  {
+    const BodyPoint closest = this->Options.body->closestPoint(limit);
+    const SurfaceGeometry& geometry = closest.geometry;
+    foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+    if (this->Options.twist == Twist::Literal)
+    {
+      foot.mixedDerivative = evaluate(this->Options.body->patches()[closest.patch].surface, closest.u, closest.v).uv;
+    }
+    return geometry.normal.norm() > 0.0;
+  }
+  if (!hasPoint)
+  {
+    foot.point = limit;
+  }
+  foot.normal = hasNormal ? Vec3(foot.normal.normalized()) : limitNormal(fan);
+  return true;
+}
+
+bool Converter::sectorFoot(const Fan& points, int first, int size, BodyFoot& foot) const
+{
+  if (!this->Options.body)
+  {
+    return false;
+  }
+  const int n = points.sectorCount();
+  Vec3 normal = Vec3::Zero();
+  double length = 0.0;
+  for (int i = 0; i < size; ++i)
+  {
+    const Vec3 a = points.spokes[(first + i) % n] - points.center;
+    const Vec3 b = points.spokes[(first + i + 1) % n] - points.center;
+    normal += a.cross(b);
+    length = std::max({ length, a.norm(), b.norm() });
+  }
+  // Patches that meet at the crease; a crease that no edge of the body explains has one foot for both sides.
+  double best = 0.0;
+  for (const BodyPoint& point : this->Options.body->closestPointPerPatch(points.center, 1e-3 * length))
+  {
+    // Of equals the first: rounding must not decide.
+    const double fits = std::abs(point.geometry.normal.dot(normal)) / normal.norm();
+    if (fits > best + 1e-9)
+    {
+      best = fits;
+      const SurfaceGeometry& geometry = point.geometry;
+      foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+      if (this->Options.twist == Twist::Literal)
+      {
+        foot.mixedDerivative = evaluate(this->Options.body->patches()[point.patch].surface, point.u, point.v).uv;
+      }
+    }
+  }
+  return best > 0.0;
+}
+
+Fan Converter::smoothSurfaceFan(
+  Star& star, const Fan& fan, const std::vector<double>& weights, const std::vector<SpokeKeep>& keeps, bool body) const
+{
+  BodyFoot foot;
+  star.hasFoot = body && fan.sectorCount() != 4 && this->bodyFoot(star, fan, foot);
+  return star.hasFoot ? projectedFan(fan, foot, this->Options.twist)
+                      : fadedFan(fan, this->Options.twist, weights, keeps);
+}
+
+} // namespace bsv

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file AtomicFile.h
+/// A file that appears complete or not at all.
+#pragma once
+
+#include "Ranks/Ranks.h"
+#include "Base/Types.h"
+
+#include <string>
+#include <vector>
+
+namespace bsv
+{
+
+/// Characters on their way out, collected into large pieces.
+class OutputBuffer
+{
+public:
+  OutputBuffer()
+    : Buffer(std::size_t(1) << 20)
+  {
+  }
+  virtual ~OutputBuffer() = default;
+  OutputBuffer(const OutputBuffer&) = delete;
+  OutputBuffer& operator=(const OutputBuffer&) = delete;
+
+  /// Room for at least `size` characters in the buffer, which advance() then takes.
+  char* room(std::size_t size);
+  void advance(const char* end) { this->Used = static_cast<std::size_t>(end - this->Buffer.data()); }
+  void write(const std::string& text) { this->write(text.data(), text.size()); }
+  /// Large pieces are not copied.
+  void write(const char* data, std::size_t size);
+  void flush();
+
+protected:
+  virtual void put(const char* data, std::size_t size) = 0;
+
+private:
+  std::vector<char> Buffer;
+  std::size_t Used = 0;
+};
+
+/// Counts the characters and drops them.
+class CharacterCount : public OutputBuffer
+{
+public:
+  /// Of all that was written.
+  Index count()
+  {
+    this->flush();
+    return this->Count;
+  }
+
+protected:
+  void put(const char*, std::size_t size) override { this->Count += static_cast<Index>(size); }
+
+private:
+  Index Count = 0;
+};
+
+/// Writes beside the target, under a temporary name, and renames at the end. Until then, and after any error, an
+/// existing target is untouched; the temporary file is removed when the object goes. A symbolic link is followed, an
+/// existing file's permissions are kept.
+///
+/// Several ranks can write to one file: each opens it, seeks the places of its parts, and finishes; rank 0 then
+/// publishes it.
+class AtomicFile : public OutputBuffer
+{
+public:
+  /// Rank 0 makes the file, the others open it. Collective.
+  /// @throws Error if no file can be made there, the target is no regular file, or a rank does not find it.
+  explicit AtomicFile(const std::string& path, const Ranks& ranks = *aloneRank());
+  ~AtomicFile() override;
+
+  /// Goes on at `offset` characters from the start of the file.
+  void seek(Index offset);
+  /// Where the next character goes.
+  Index position();
+
+  /// Everything written here is on the disk. @throws Error, for example for a full disk.
+  void finish();
+  /// Gives the finished file its name; on rank 0 only. @throws Error
+  void publish();
+
+protected:
+  void put(const char* data, std::size_t size) override;
+
+private:
+  void create();
+  void discard();
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::string Target;
+  std::string Temporary;
+  bool Owner = true;
+  int Descriptor = -1;
+};
+
+} // namespace bsv

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/CGNSTree.h"
+
+#include "Base/Types.h"
+
+#include <vtk_cgns.h>
+// clang-format off
+#include VTK_CGNS(cgnslib.h)
+#include VTK_CGNS(cgns_io.h)
+// clang-format on
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <vector>
+
+namespace bsv
+{
+
+namespace
+{
+
+/// Bytes of a value of the type, 0 for nodes without data, -1 for an unknown type.
+int valueSize(const std::string& type)
+{
+  if (type == "MT" || type == "LK")
+  {
+    return 0;
+  }
+  if (type == "C1" || type == "B1" || type == "U1" || type == "I1")
+  {
+    return 1;
+  }
+  if (type == "I4" || type == "U4" || type == "R4")
+  {
+    return 4;
+  }
+  if (type == "I8" || type == "U8" || type == "R8" || type == "X4")
+  {
+    return 8;
+  }
+  return type == "X8" ? 16 : -1;
+}
+
+class TreeCheck
+{
+public:
+  explicit TreeCheck(const std::string& fileName)
+    : FileName(fileName)
+  {
+    std::error_code failure;
+    this->Bytes = static_cast<Index>(std::filesystem::file_size(fileName, failure));
+    this->check(failure ? CGIO_ERR_FILE_OPEN
+                        : cgio_open_file(fileName.c_str(), CGIO_MODE_READ, CGIO_FILE_NONE, &this->File),
+      "");
+    int type = CGIO_FILE_NONE;
+    cgio_get_file_type(this->File, &type);
+    // HDF5 can compress, at most about a thousandfold.
+    this->Limit = type == CGIO_FILE_HDF5 ? 1000 * this->Bytes : this->Bytes;
+  }
+  ~TreeCheck()
+  {
+    if (this->File != 0)
+    {
+      cgio_close_file(this->File);
+    }
+  }
+  TreeCheck(const TreeCheck&) = delete;
+  TreeCheck& operator=(const TreeCheck&) = delete;
+
+  void run()
+  {
+    double root = 0.0;
+    this->check(cgio_get_root_id(this->File, &root), "");
+    this->checkChildren(root, "", 0);
+  }
+
+private:
+  /// The standard nests to about 10; a node that is its own descendant never ends.
+  static constexpr int MaxDepth = 30;
+  /// Smallest space of a node in either format.
+  static constexpr Index MinNodeBytes = 64;
+
+  [[noreturn]] void fail(const std::string& path, const std::string& what) const
+  {
+    throw Error(this->FileName + (path.empty() ? "" : ", node " + path) + ": " + what);
+  }
+
+  void check(int status, const std::string& path) const
+  {
+    if (status != CGIO_ERR_NONE)
+    {
+      std::array<char, 1024> text{};
+      cgio_error_message(text.data());
+      this->fail(path, std::string("the file cannot be read as CGNS, it is damaged or no such file: ") + text.data());
+    }
+  }
+
+  void checkChildren(double node, const std::string& path, int depth)
+  {
+    int children = 0;
+    this->check(cgio_number_children(this->File, node, &children), path);
+    this->Nodes += children;
+    if (children < 0 || this->Nodes > this->Bytes / MinNodeBytes || depth > MaxDepth)
+    {
+      this->fail(path, "there are " + std::to_string(children) + " child nodes at depth " + std::to_string(depth) +
+          ", " + std::to_string(this->Nodes) + " nodes so far; the file of " + std::to_string(this->Bytes) +
+          " bytes cannot hold them");
+    }
+    if (children == 0)
+    {
+      return;
+    }
+    std::vector<double> ids(static_cast<std::size_t>(children));
+    int found = 0;
+    this->check(cgio_children_ids(this->File, node, 1, children, &found, ids.data()), path);
+    ids.resize(static_cast<std::size_t>(found));
+    for (const double id : ids)
+    {
+      std::array<char, 1024> name{};
+      this->check(cgio_get_name(this->File, id, name.data()), path);
+      this->checkNode(id, path + "/" + name.data(), depth + 1);
+      cgio_release_id(this->File, id);
+    }
+  }
+
+  void checkNode(double node, const std::string& path, int depth)
+  {
+    int link = 0;
+    this->check(cgio_is_link(this->File, node, &link), path);
+    if (link > 0)
+    {
+      return;
+    }
+    std::array<char, 1024> text{};
+    this->check(cgio_get_label(this->File, node, text.data()), path);
+    this->check(cgio_get_data_type(this->File, node, text.data()), path);
+    const std::string type = text.data();
+    const int size = valueSize(type);
+    if (size < 0)
+    {
+      this->fail(path, "the data type '" + type.substr(0, 8) + "' is unknown");
+    }
+    int dimensions = 0;
+    std::array<cgsize_t, CGIO_MAX_DIMENSIONS> counts{};
+    if (size > 0)
+    {
+      this->check(cgio_get_dimensions(this->File, node, &dimensions, counts.data()), path);
+    }
+    dimensions = std::min(dimensions, CGIO_MAX_DIMENSIONS);
+    double bytes = size;
+    bool inRange = true;
+    std::string shape;
+    for (int d = 0; d < dimensions; ++d)
+    {
+      bytes *= double(counts[d]);
+      inRange = inRange && counts[d] >= 0 && counts[d] <= this->Limit;
+      shape += (d == 0 ? "" : " x ") + std::to_string(counts[d]);
+    }
+    if (!inRange || bytes > double(this->Limit))
+    {
+      this->fail(path, "the node claims " + shape + " values of type " + type + ", but the file has only " +
+          std::to_string(this->Bytes) + " bytes");
+    }
+    this->checkChildren(node, path, depth);
+  }
+
+  std::string FileName;
+  int File = 0;
+  Index Bytes = 0;
+  Index Limit = 0;
+  Index Nodes = 0;
+};
+
+} // namespace
+
+void checkCGNSTree(const std::string& fileName)
+{
+  TreeCheck(fileName).run();
+}
+
+} // namespace bsv

@@ -1,0 +1,654 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/CGNSZones.h"
+
+#include "Formats/CGNSTree.h"
+#include "Formats/FaceContact.h"
+
+#include <vtk_cgns.h>
+// clang-format off
+#include VTK_CGNS(cgnslib.h)
+// clang-format on
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <new>
+#include <set>
+
+namespace bsv
+{
+
+namespace
+{
+
+/// Names are at most 32 characters; paths of families may be longer.
+using Name = std::array<char, 1024>;
+/// begin i, j, k, end i, j, k; from 1.
+using PointRange = std::array<cgsize_t, 6>;
+
+std::string toString(const PointRange& range)
+{
+  const auto point = [&](int at) {
+    return "(" + std::to_string(range[at]) + ", " + std::to_string(range[at + 1]) + ", " +
+      std::to_string(range[at + 2]) + ")";
+  };
+  return point(0) + " to " + point(3);
+}
+
+/// Without a handler the library writes to the console.
+class QuietErrors
+{
+public:
+  QuietErrors() { cg_error_handler([](int, char*) {}); }
+  ~QuietErrors() { cg_error_handler(nullptr); }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+};
+
+class CGNSReader
+{
+public:
+  CGNSReader(const std::string& fileName, const Execution& run, const Piece& piece)
+    : FileName(fileName)
+    , Run(run)
+    , Part(piece)
+  {
+    checkCGNSTree(fileName);
+    this->check(cg_open(fileName.c_str(), CG_MODE_READ, &this->File), "");
+    this->IsOpen = true;
+  }
+  ~CGNSReader()
+  {
+    if (this->IsOpen)
+    {
+      cg_close(this->File);
+    }
+  }
+  CGNSReader(const CGNSReader&) = delete;
+  CGNSReader& operator=(const CGNSReader&) = delete;
+
+  /// @param[out] contacts those of the zones with their places; the points are not checked yet.
+  CGNSZones read(std::vector<DeclaredContact>& contacts)
+  {
+    int bases = 0;
+    this->check(cg_nbases(this->File, &bases), "");
+    for (this->Base = 1; this->Base <= bases; ++this->Base)
+    {
+      this->readBase();
+    }
+    this->Where.clear();
+    if (this->Zones.blocks.empty())
+    {
+      this->fail("the file has no zones");
+    }
+    this->readCoordinates();
+    contacts = std::move(this->Contacts);
+    return std::move(this->Zones);
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& what) const
+  {
+    throw Error(this->FileName + this->Where + ": " + what);
+  }
+
+  void check(int status, const std::string& what) const
+  {
+    if (status != CG_OK)
+    {
+      this->fail(what + (what.empty() ? "" : ": ") + cg_get_error());
+    }
+  }
+
+  void readBase()
+  {
+    Name name{};
+    int cellDimension = 0;
+    int physicalDimension = 0;
+    int zones = 0;
+    this->Where.clear();
+    this->check(cg_base_read(this->File, this->Base, name.data(), &cellDimension, &physicalDimension), "base");
+    this->check(cg_nzones(this->File, this->Base, &zones), "zones");
+    this->Where = std::string(", base '") + name.data() + "'";
+    if (zones > 0 && (cellDimension != 3 || physicalDimension != 3))
+    {
+      this->fail("the cells are of dimension " + std::to_string(cellDimension) + " in a space of dimension " +
+        std::to_string(physicalDimension) + (cellDimension == 2 ? ", a surface mesh" : "") +
+        "; hexahedra need 3 and 3");
+    }
+    const std::string base = this->Where;
+
+    this->FirstBlock = static_cast<int>(this->Zones.blocks.size());
+    this->BlockOfName.clear();
+    for (int zone = 0; zone < zones; ++zone)
+    {
+      this->Zone = zone + 1;
+      this->Where = base + ", zone " + std::to_string(this->Zone);
+      this->readZone(base);
+    }
+    for (int zone = 0; zone < zones; ++zone)
+    {
+      this->Zone = zone + 1;
+      this->Where = this->Places[this->FirstBlock + zone].where;
+      this->readInterfaces();
+      this->readBoundaries();
+    }
+  }
+
+  void readZone(const std::string& base)
+  {
+    Name name{};
+    // Room for an unstructured zone, too.
+    std::array<cgsize_t, 9> size{};
+    CGNS_ENUMT(ZoneType_t) type;
+    this->check(cg_zone_type(this->File, this->Base, this->Zone, &type), "type");
+    this->check(cg_zone_read(this->File, this->Base, this->Zone, name.data(), size.data()), "size");
+    this->Where = base + ", zone '" + name.data() + "'";
+    if (type != CGNS_ENUMV(Structured))
+    {
+      this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type) + "; only structured zones can be read");
+    }
+    GridBlock block;
+    block.name = name.data();
+    for (int d = 0; d < 3; ++d)
+    {
+      if (size[d] < 2 || size[d] > std::numeric_limits<int>::max())
+      {
+        this->fail("the zone has " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+          std::to_string(size[2]) + " points; hexahedra need at least 2 in each direction");
+      }
+      block.counts[d] = static_cast<int>(size[d]);
+    }
+    this->Zones.blocks.push_back(std::move(block));
+    this->Mesh.blocks.push_back(meshBlock(this->Zones.blocks.back()));
+    this->BlockOfName.emplace(name.data(), static_cast<int>(this->Places.size()));
+    this->Places.push_back({ this->Base, this->Zone, this->Where });
+  }
+
+  /// Of the blocks that belong to the piece.
+  void readCoordinates()
+  {
+    std::vector<Ijk> counts;
+    for (const GridBlock& block : this->Zones.blocks)
+    {
+      counts.push_back(block.counts);
+    }
+    const std::vector<int> owners = this->Part.owners(counts);
+    for (std::size_t b = 0; b < owners.size(); ++b)
+    {
+      GridBlock& block = this->Zones.blocks[b];
+      block.piece = owners[b];
+      if (block.piece == this->Part.number)
+      {
+        this->Base = this->Places[b].base;
+        this->Zone = this->Places[b].zone;
+        this->Where = this->Places[b].where;
+        this->readCoordinates(block);
+        checkFinite(this->FileName, block);
+      }
+      this->Run.report(double(b + 1) / double(owners.size()));
+    }
+  }
+
+  /// Checks the sizes of the coordinate arrays before anything is allocated. True if all are float.
+  bool checkCoordinates(const GridBlock& block)
+  {
+    bool isFloat = true;
+    for (const char* axis : Axes)
+    {
+      int coordinates = 0;
+      bool found = false;
+      this->check(cg_ncoords(this->File, this->Base, this->Zone, &coordinates), "coordinates");
+      for (int c = 1; c <= coordinates && !found; ++c)
+      {
+        Name name{};
+        CGNS_ENUMT(DataType_t) type;
+        this->check(cg_coord_info(this->File, this->Base, this->Zone, c, &type, name.data()), "coordinates");
+        found = std::string(name.data()) == axis;
+        if (found && type != CGNS_ENUMV(RealSingle) && type != CGNS_ENUMV(RealDouble))
+        {
+          this->fail(std::string(axis) + " is of type " + cg_DataTypeName(type) + ", neither float nor double");
+        }
+        isFloat = isFloat && (!found || type == CGNS_ENUMV(RealSingle));
+      }
+      if (!found)
+      {
+        this->fail(std::string("the zone has no ") + axis);
+      }
+    }
+    // Compressed data may be larger than the file, but not by this much.
+    std::error_code failure;
+    const double bytes = double(std::filesystem::file_size(this->FileName, failure));
+    if (double(block.counts[0]) * block.counts[1] * block.counts[2] > 1000.0 * bytes)
+    {
+      this->fail("the zone has " + bsv::toString(block.counts) + " points, but the file only " +
+        std::to_string(Index(bytes)) + " bytes");
+    }
+    return isFloat;
+  }
+
+  void readCoordinates(GridBlock& block)
+  {
+    const bool isFloat = this->checkCoordinates(block);
+    try
+    {
+      block.allocate(isFloat);
+      isFloat ? this->readCoordinates(block, block.floats.get(), CGNS_ENUMV(RealSingle))
+              : this->readCoordinates(block, block.doubles.get(), CGNS_ENUMV(RealDouble));
+    }
+    catch (const std::bad_alloc&)
+    {
+      this->fail("not enough memory for " + bsv::toString(block.counts) + " points");
+    }
+  }
+
+  template <typename Real>
+  void readCoordinates(const GridBlock& block, Real* points, CGNS_ENUMT(DataType_t) type)
+  {
+    // Some layers at a time, so that no copy of a large block is needed.
+    const Index layer = Index(block.counts[0]) * block.counts[1];
+    const int layers = static_cast<int>(std::clamp<Index>((Index(1) << 20) / layer, 1, block.counts[2]));
+    std::vector<Real> values(static_cast<std::size_t>(layer * layers));
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      for (int k = 0; k < block.counts[2]; k += layers)
+      {
+        const int end = std::min(k + layers, block.counts[2]);
+        const std::array<cgsize_t, 3> first{ 1, 1, k + 1 };
+        const std::array<cgsize_t, 3> last{ block.counts[0], block.counts[1], end };
+        this->check(cg_coord_read(this->File, this->Base, this->Zone, Axes[axis], type, first.data(), last.data(),
+                      values.data()),
+          Axes[axis]);
+        Real* to = points + 3 * layer * k + axis;
+        for (Index p = 0; p < layer * (end - k); ++p)
+        {
+          to[3 * p] = values[p];
+        }
+      }
+    }
+  }
+
+  const Ijk& counts(int block) const { return this->Mesh.blocks[block].points.counts(); }
+
+  /// The block face that a range of vertices lies on, as a range along that face's axes; false if the range is a point
+  /// or a line.
+  bool faceRange(int block, const PointRange& range, DirectedRange& found) const
+  {
+    int flat = 0;
+    found.block = block;
+    for (int d = 0; d < 3; ++d)
+    {
+      const int count = this->counts(block)[d];
+      for (const cgsize_t index : { range[d], range[3 + d] })
+      {
+        if (index < 1 || index > count)
+        {
+          this->fail("the range " + toString(range) + " leaves the " + bsv::toString(this->counts(block)) +
+            " points of zone '" + this->Mesh.blocks[block].name + "'");
+        }
+      }
+      if (range[d] == range[3 + d])
+      {
+        ++flat;
+        found.face = 2 * d + (range[d] == 1 ? 0 : 1);
+        if (flat == 1 && range[d] != 1 && range[d] != count)
+        {
+          this->fail("the range " + toString(range) + " lies inside zone '" + this->Mesh.blocks[block].name +
+            "', not on a face");
+        }
+      }
+    }
+    if (flat == 0)
+    {
+      this->fail("the range " + toString(range) + " is not on a face of zone '" + this->Mesh.blocks[block].name + "'");
+    }
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      found.begin[axis] = static_cast<int>(range[faceAxis(found.face, axis)]) - 1;
+      found.end[axis] = static_cast<int>(range[3 + faceAxis(found.face, axis)]) - 1;
+    }
+    return flat == 1;
+  }
+
+  int blockOfZone(const std::string& name) const
+  {
+    // A donor may be given with its base: /base/zone.
+    const std::string zone = name.substr(name.rfind('/') + 1);
+    const auto found = this->BlockOfName.find(zone);
+    if (found == this->BlockOfName.end())
+    {
+      this->fail("there is no donor zone '" + name + "'");
+    }
+    return found->second;
+  }
+
+  void addBoundary(const DirectedRange& range, const std::string& name)
+  {
+    this->Zones.boundaries.push_back(
+      { range.block, range.face, range.range(), nameIndex(this->Zones.boundaryNames, name) });
+  }
+
+  void readInterfaces()
+  {
+    int contacts = 0;
+    this->check(cg_n1to1(this->File, this->Base, this->Zone, &contacts), "interfaces");
+    const std::string zone = this->Where;
+    for (int c = 1; c <= contacts; ++c)
+    {
+      Name name{};
+      Name donor{};
+      PointRange range{};
+      PointRange donorRange{};
+      std::array<int, 3> transform{};
+      this->check(cg_1to1_read(this->File, this->Base, this->Zone, c, name.data(), donor.data(), range.data(),
+                    donorRange.data(), transform.data()),
+        "interface " + std::to_string(c));
+      this->Where = zone + ", interface '" + name.data() + "'";
+
+      DirectedRange own;
+      DirectedRange other;
+      if (!this->faceRange(this->FirstBlock + this->Zone - 1, range, own) ||
+        !this->faceRange(this->blockOfZone(donor.data()), donorRange, other))
+      {
+        continue; // a line or a point joins nothing
+      }
+      float center[3];
+      float angle[3];
+      float translation[3];
+      if (cg_1to1_periodic_read(this->File, this->Base, this->Zone, c, center, angle, translation) == CG_OK)
+      {
+        this->addBoundary(own, "Periodic");
+        continue;
+      }
+      this->addInterface(own, other, range, donorRange, transform);
+    }
+    this->Where = zone;
+  }
+
+  void addInterface(const DirectedRange& own, const DirectedRange& other, const PointRange& range,
+    const PointRange& donorRange, const std::array<int, 3>& transform)
+  {
+    std::string text;
+    std::array<bool, 3> used{};
+    for (int d = 0; d < 3; ++d)
+    {
+      text += (d == 0 ? "" : ", ") + std::to_string(transform[d]);
+    }
+    for (int d = 0; d < 3; ++d)
+    {
+      const int target = std::abs(transform[d]) - 1;
+      if (target < 0 || target > 2 || used[target])
+      {
+        this->fail("the transform (" + text + ") is no signed permutation of 1, 2, 3");
+      }
+      used[target] = true;
+      const cgsize_t steps = range[3 + d] - range[d];
+      const cgsize_t donorSteps = donorRange[3 + target] - donorRange[target];
+      if (donorSteps != (transform[d] < 0 ? -steps : steps))
+      {
+        this->fail("the transform (" + text + ") does not map the range " + toString(range) + " to the donor's range " +
+          toString(donorRange));
+      }
+    }
+    // The ranges are flat along the normals only, so the transform maps one normal to the other.
+    const bool swapped = std::abs(transform[faceAxis(own.face, 0)]) - 1 != faceAxis(other.face, 0);
+    Interface contact;
+    try
+    {
+      checkRange(this->Mesh, own);
+      checkRange(this->Mesh, other);
+      contact = orderedContact(faceContact(own, other, swapped));
+    }
+    catch (const Error& error)
+    {
+      this->fail(error.what());
+    }
+    // The other zone declares the same contact.
+    if (this->Known.insert(contact).second)
+    {
+      this->Zones.interfaces.push_back(contact);
+      this->Contacts.push_back({ contact, this->FileName + this->Where });
+    }
+  }
+
+  void readBoundaries()
+  {
+    int conditions = 0;
+    this->check(cg_nbocos(this->File, this->Base, this->Zone, &conditions), "boundary conditions");
+    const std::string zone = this->Where;
+    for (int c = 1; c <= conditions; ++c)
+    {
+      this->Where = zone + ", boundary condition " + std::to_string(c);
+      this->readBoundary(zone, c);
+    }
+    this->Where = zone;
+  }
+
+  void readBoundary(const std::string& zone, int condition)
+  {
+    Name name{};
+    CGNS_ENUMT(BCType_t) type;
+    CGNS_ENUMT(PointSetType_t) set;
+    CGNS_ENUMT(DataType_t) normalType;
+    cgsize_t count = 0;
+    cgsize_t normalSize = 0;
+    int normalIndex[3];
+    int dataSets = 0;
+    this->check(cg_boco_info(this->File, this->Base, this->Zone, condition, name.data(), &type, &set, &count,
+                  normalIndex, &normalSize, &normalType, &dataSets),
+      "");
+    this->Where = zone + ", boundary condition '" + name.data() + "'";
+
+    const int block = this->FirstBlock + this->Zone - 1;
+    const bool isRange = set == CGNS_ENUMV(PointRange);
+    if (!isRange && set != CGNS_ENUMV(PointList))
+    {
+      this->fail(std::string("the points are given as ") + cg_PointSetTypeName(set) +
+        "; only PointRange and PointList can be read");
+    }
+    if (isRange ? count != 2 : count < 0 || count > 8 * this->Zones.blocks[block].size())
+    {
+      this->fail("the number of points is " + std::to_string(count));
+    }
+    CGNS_ENUMT(GridLocation_t) location = CGNS_ENUMV(Vertex);
+    this->check(cg_boco_gridlocation_read(this->File, this->Base, this->Zone, condition, &location), "location");
+    std::vector<cgsize_t> points(static_cast<std::size_t>(3 * count));
+    this->check(cg_boco_read(this->File, this->Base, this->Zone, condition, points.data(), nullptr), "points");
+
+    const std::string label = this->boundaryName(name.data(), type, condition);
+    if (isRange)
+    {
+      this->addRange(block, points, location, label);
+    }
+    else
+    {
+      this->addList(block, points, location, label);
+    }
+  }
+
+  std::string boundaryName(const std::string& name, CGNS_ENUMT(BCType_t) type, int condition) const
+  {
+    Name family{};
+    if (cg_goto(this->File, this->Base, "Zone_t", this->Zone, "ZoneBC_t", 1, "BC_t", condition, "end") == CG_OK &&
+      cg_famname_read(family.data()) == CG_OK && family[0] != '\0')
+    {
+      return family.data();
+    }
+    const bool typed = type != CGNS_ENUMV(BCTypeNull) && type != CGNS_ENUMV(BCTypeUserDefined) &&
+      type != CGNS_ENUMV(FamilySpecified);
+    return typed ? cg_BCTypeName(type) : name;
+  }
+
+  /// Direction of the normal of faces that are listed by their centres, -1 if mesh points are listed.
+  int faceCenterDirection(CGNS_ENUMT(GridLocation_t) location) const
+  {
+    switch (location)
+    {
+      case CGNS_ENUMV(GridLocationNull):
+      case CGNS_ENUMV(Vertex):
+        return -1;
+      case CGNS_ENUMV(IFaceCenter):
+        return 0;
+      case CGNS_ENUMV(JFaceCenter):
+        return 1;
+      case CGNS_ENUMV(KFaceCenter):
+        return 2;
+      default:
+        this->fail(std::string("the location ") + cg_GridLocationName(location) +
+          " is not Vertex, IFaceCenter, JFaceCenter or KFaceCenter");
+    }
+  }
+
+  void addRange(int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location,
+    const std::string& label)
+  {
+    PointRange range{};
+    for (int d = 0; d < 3; ++d)
+    {
+      range[d] = std::min(points[d], points[3 + d]);
+      range[3 + d] = std::max(points[d], points[3 + d]);
+    }
+    const int normal = this->faceCenterDirection(location);
+    for (int d = 0; d < 3; ++d)
+    {
+      // Face n lies between the points n and n + 1.
+      range[3 + d] += normal >= 0 && d != normal ? 1 : 0;
+    }
+    DirectedRange found;
+    if (this->faceRange(block, range, found))
+    {
+      this->addBoundary(found, label);
+    }
+  }
+
+  /// A list may cover several faces, or parts of them: marks the quadrilaterals and cuts them into rectangles.
+  void addList(int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location,
+    const std::string& label)
+  {
+    const int normal = this->faceCenterDirection(location);
+    const Ijk& size = this->counts(block);
+    for (int face = 0; face < 6; ++face)
+    {
+      const int axes[2] = { faceAxis(face, 0), faceAxis(face, 1) };
+      const int ns = size[axes[0]];
+      const int nt = size[axes[1]];
+      // Of points (vertices) or of quadrilaterals, whichever is listed.
+      std::vector<char> marked(static_cast<std::size_t>(ns) * nt, 0);
+      for (std::size_t p = 0; p + 2 < points.size(); p += 3)
+      {
+        for (int d = 0; d < 3; ++d)
+        {
+          const cgsize_t last = size[d] - (normal >= 0 && d != normal ? 1 : 0);
+          if (points[p + d] < 1 || points[p + d] > last)
+          {
+            this->fail("the point (" + std::to_string(points[p]) + ", " + std::to_string(points[p + 1]) + ", " +
+              std::to_string(points[p + 2]) + ") of the list leaves the " + bsv::toString(size) +
+              " points of the zone");
+          }
+        }
+        const cgsize_t side = faceSide(face) == 0 ? 1 : size[faceDirection(face)];
+        if ((normal < 0 || normal == faceDirection(face)) && points[p + faceDirection(face)] == side)
+        {
+          marked[(points[p + axes[1]] - 1) * ns + points[p + axes[0]] - 1] = 1;
+        }
+      }
+      const auto isCovered = [&](int s, int t) {
+        const std::size_t at = static_cast<std::size_t>(t) * ns + s;
+        return marked[at] && (normal >= 0 || (marked[at + 1] && marked[at + ns] && marked[at + ns + 1]));
+      };
+      std::vector<char> open(marked.size(), 0);
+      for (int t = 0; t + 1 < nt; ++t)
+      {
+        for (int s = 0; s + 1 < ns; ++s)
+        {
+          open[static_cast<std::size_t>(t) * ns + s] = isCovered(s, t);
+        }
+      }
+      this->addRectangles(block, face, open, ns, nt, label);
+    }
+  }
+
+  /// Cuts the open quadrilaterals of a face (row length `ns`) into rectangles: as long as possible, then as high.
+  void addRectangles(int block, int face, std::vector<char>& open, int ns, int nt, const std::string& label)
+  {
+    const auto row = [&](int s, int t) { return open.begin() + static_cast<std::ptrdiff_t>(t) * ns + s; };
+    for (int t = 0; t < nt; ++t)
+    {
+      for (int s = 0; s < ns; ++s)
+      {
+        if (!*row(s, t))
+        {
+          continue;
+        }
+        const auto length = std::find(row(s, t), row(ns, t), 0) - row(s, t);
+        int end = t;
+        while (end < nt && std::all_of(row(s, end), row(s, end) + length, [](char c) { return c != 0; }))
+        {
+          std::fill(row(s, end), row(s, end) + length, 0);
+          ++end;
+        }
+        this->addBoundary({ block, face, { s, t }, { s + static_cast<int>(length), end } }, label);
+      }
+    }
+  }
+
+  static constexpr std::array<const char*, 3> Axes{ "CoordinateX", "CoordinateY", "CoordinateZ" };
+
+  QuietErrors Quiet;
+  std::string FileName;
+  const Execution& Run;
+  const Piece Part;
+  int File = 0;
+  bool IsOpen = false;
+  int Base = 0;
+  int Zone = 0;
+  /// First block of the current base.
+  int FirstBlock = 0;
+  /// What is being read, for error messages.
+  std::string Where;
+  CGNSZones Zones;
+  /// Where each block comes from.
+  struct Place
+  {
+    int base, zone;
+    std::string where;
+  };
+  std::vector<Place> Places;
+  std::vector<DeclaredContact> Contacts;
+  std::set<Interface> Known;
+  /// Blocks of the current base.
+  std::map<std::string, int> BlockOfName;
+  /// Names and sizes of the zones.
+  BlockMesh Mesh;
+};
+
+} // namespace
+
+bool looksLikeCGNS(const std::string& fileName)
+{
+  std::array<char, 32> start{};
+  std::ifstream stream(fileName, std::ios::binary);
+  stream.read(start.data(), start.size());
+  const std::string text(start.data(), static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+  return text.find("ADF Database Version") == 4 || text.find("\x89HDF\r\n\x1a\n") == 0;
+}
+
+CGNSZones readCGNS(const std::string& fileName, const Execution& run, const Piece& piece)
+{
+  CGNSZones zones;
+  std::vector<DeclaredContact> contacts;
+  run.ranks->together([&] { zones = CGNSReader(fileName, run, piece).read(contacts); });
+  BlockMesh mesh;
+  for (const GridBlock& block : zones.blocks)
+  {
+    mesh.blocks.push_back(meshBlock(block));
+  }
+  checkContacts(mesh, contacts, *run.ranks);
+  return zones;
+}
+
+} // namespace bsv

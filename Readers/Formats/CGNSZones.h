@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file CGNSZones.h
+/// Structured zones of CGNS files (ADF or HDF5), with their 1-to-1 interfaces and boundary conditions.
+#pragma once
+
+#include "Formats/GridBlock.h"
+#include "Ranks/Piece.h"
+#include "Base/Types.h"
+
+#include <string>
+#include <vector>
+
+namespace bsv
+{
+
+struct CGNSZones
+{
+  /// One per structured zone, in the order of the file, named like the zone.
+  std::vector<GridBlock> blocks;
+  /// Each contact once, although both zones declare it. Contacts marked periodic are boundaries named `Periodic`.
+  std::vector<Interface> interfaces;
+  /// Boundary conditions on block faces. Point lists are cut into rectangles, one patch each; conditions on single
+  /// points or lines are skipped.
+  std::vector<BoundaryPatch> boundaries;
+  /// The family of a boundary condition; without one its type, such as BCWall; without that its name.
+  std::vector<std::string> boundaryNames;
+};
+
+/// Whether the file starts like a CGNS file (ADF or HDF5). Never throws.
+bool looksLikeCGNS(const std::string& fileName);
+
+/// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity says nothing and
+/// is skipped: coincident points tell. Not to be called from several threads: the CGNS library keeps its state in
+/// globals. Collective.
+/// @throws Error naming file, zone and value: surface or unstructured zones, no or wrong coordinates, contacts whose
+/// transforms or ranges do not fit or whose points do not coincide (see checkContacts), damaged files; Aborted.
+CGNSZones readCGNS(const std::string& fileName, const Execution& run = {}, const Piece& piece = {});
+
+} // namespace bsv

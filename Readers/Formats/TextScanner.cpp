@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/TextScanner.h"
+
+#include <fstream>
+#include <iterator>
+
+namespace bsv
+{
+
+std::string readTextFile(const std::string& fileName)
+{
+  std::ifstream stream(fileName, std::ios::binary);
+  if (!stream)
+  {
+    throw Error(fileName + ": cannot be opened");
+  }
+  std::string text{ std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
+  if (stream.bad())
+  {
+    throw Error(fileName + ": cannot be read");
+  }
+  return text;
+}
+
+bool TextScanner::atEnd()
+{
+  for (; this->At != this->End; ++this->At)
+  {
+    if (*this->At == '\n')
+    {
+      ++this->Line;
+    }
+    else if (this->Comment != '\0' && *this->At == this->Comment)
+    {
+      this->At = std::find(this->At, this->End, '\n') - 1;
+    }
+    else if (*this->At != ' ' && !(*this->At >= '\t' && *this->At <= '\r'))
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+void TextScanner::need(const char* what)
+{
+  if (this->atEnd())
+  {
+    this->fail(std::string("the file ends where ") + what + " should follow");
+  }
+}
+
+std::string TextScanner::restOfLine()
+{
+  const char* end = std::find(this->At, this->End, '\n');
+  std::string rest(this->At, end);
+  this->At = end;
+  const std::size_t first = rest.find_first_not_of(" \t\r");
+  return first == std::string::npos ? std::string() : rest.substr(first, rest.find_last_not_of(" \t\r") + 1 - first);
+}
+
+std::string TextScanner::word(const char* what)
+{
+  this->need(what);
+  const std::string word = this->peek();
+  this->At = this->wordEnd();
+  return word;
+}
+
+std::string TextScanner::peek()
+{
+  return this->atEnd() ? std::string()
+                       : std::string(this->At, std::min<std::ptrdiff_t>(this->wordEnd() - this->At, 40));
+}
+
+int TextScanner::integer(const char* what, int low, int high)
+{
+  const long long value = this->next<long long>(what);
+  if (value < low || value > high)
+  {
+    this->fail(std::string(what) + " is " + std::to_string(value) + ", not in " + std::to_string(low) + ".." +
+      std::to_string(high));
+  }
+  return static_cast<int>(value);
+}
+
+void TextScanner::expect(double numbers, const char* what) const
+{
+  // A number takes one character and a blank.
+  if (numbers > static_cast<double>(this->End - this->At) / 2.0 + 1.0)
+  {
+    this->fail(std::string("the file is too short for the number of ") + what + " that is given here");
+  }
+}
+
+} // namespace bsv

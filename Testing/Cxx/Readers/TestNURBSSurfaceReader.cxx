@@ -1,0 +1,917 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Support/BodyCases.h"
+#include "Body/ClosestPoint.h"
+#include "Data/NURBSSurfaceData.h"
+#include "Support/ThreadRanks.h"
+#include "Body/TrimRegion.h"
+#include "vtkNURBSSurfaceReader.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkCellArray.h>
+#include <vtkCommand.h>
+#include <vtkCompositeDataSet.h>
+#include <vtkDataAssembly.h>
+#include <vtkDoubleArray.h>
+#include <vtkErrorCode.h>
+#include <vtkExecutive.h>
+#include <vtkFieldData.h>
+#include <vtkInformation.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPartitionedDataSetCollection.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkStringArray.h>
+#include <vtkStructuredGrid.h>
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iomanip>
+#include <iterator>
+#include <sstream>
+
+#ifdef BSPLINEVOLUME_WITH_OPENCASCADE
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepExtrema_DistShapeShape.hxx>
+#include <BRepGProp.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <GProp_GProps.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <IGESControl_Controller.hxx>
+#include <IGESControl_Writer.hxx>
+#include <Interface_Static.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <STEPControl_Writer.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS_Compound.hxx>
+#endif
+
+using namespace bodycases;
+using namespace bsv;
+
+namespace
+{
+
+/// A folder for this test alone, removed at its end.
+class Folder
+{
+public:
+  Folder()
+  {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    this->Path = std::filesystem::temp_directory_path() /
+      (std::string("bsv-nurbs-") + test->name() + "-" + std::to_string(std::random_device()()));
+    std::filesystem::create_directories(this->Path);
+  }
+  ~Folder() { std::filesystem::remove_all(this->Path); }
+  std::string operator/(const std::string& name) const { return (this->Path / name).string(); }
+
+private:
+  std::filesystem::path Path;
+};
+
+void writeText(const std::string& fileName, const std::string& text)
+{
+  std::ofstream(fileName, std::ios::binary) << text;
+}
+
+std::string readText(const std::string& fileName)
+{
+  std::ifstream stream(fileName, std::ios::binary);
+  return { std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
+}
+
+struct Reading
+{
+  vtkNew<vtkNURBSSurfaceReader> reader;
+  std::vector<std::string> errors;
+  std::vector<std::string> warnings;
+  vtkPartitionedDataSetCollection* output = nullptr;
+  /// What was printed while reading.
+  std::string printed;
+
+  void read(const std::string& fileName)
+  {
+    const auto collect = [](vtkObject*, unsigned long, void* list, void* text) {
+      static_cast<std::vector<std::string>*>(list)->emplace_back(static_cast<const char*>(text));
+    };
+    vtkNew<vtkCallbackCommand> onError;
+    onError->SetCallback(collect);
+    onError->SetClientData(&this->errors);
+    vtkNew<vtkCallbackCommand> onWarning;
+    onWarning->SetCallback(collect);
+    onWarning->SetClientData(&this->warnings);
+    vtkNew<vtkCallbackCommand> silence;
+    this->reader->AddObserver(vtkCommand::ErrorEvent, onError);
+    this->reader->AddObserver(vtkCommand::WarningEvent, onWarning);
+    this->reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
+    this->reader->SetFileName(fileName.c_str());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    this->reader->Update();
+    this->printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+    this->output = vtkPartitionedDataSetCollection::SafeDownCast(this->reader->GetOutputDataObject(0));
+    this->reader->RemoveObserver(onError);
+    this->reader->RemoveObserver(onWarning);
+    EXPECT_EQ(this->printed, "");
+  }
+
+  std::vector<BodyPatch> patches() const { return bodyPatches(this->output); }
+  vtkPolyData* surface() const
+  {
+    return vtkPolyData::SafeDownCast(
+      this->output->GetPartitionAsDataObject(this->output->GetNumberOfPartitionedDataSets() - 1, 0));
+  }
+};
+
+/// Reads a file that must be refused: one error that names it, an error code, nothing in the output. Returns the error.
+std::string refused(const std::string& fileName)
+{
+  Reading reading;
+  reading.read(fileName);
+  EXPECT_EQ(reading.errors.size(), 1u) << fileName;
+  EXPECT_NE(reading.reader->GetErrorCode(), static_cast<unsigned long>(vtkErrorCode::NoError)) << fileName;
+  EXPECT_EQ(reading.output->GetNumberOfPartitionedDataSets(), 0u) << fileName;
+  const std::string error = reading.errors.empty() ? "" : reading.errors[0];
+  EXPECT_NE(error.find(fileName), std::string::npos) << error;
+  return error;
+}
+
+std::string sharedFile(const std::string& name)
+{
+  const char* folder = std::getenv("BSV_SHARED_DATA");
+  const std::string path = std::string(folder ? folder : "") + "/surfaces/" + name;
+  return folder && std::filesystem::exists(path) ? path : "";
+}
+
+std::string g2(const NURBSSurface& s)
+{
+  std::ostringstream text;
+  text << std::setprecision(17) << "200 1 0 0\n3 " << s.rational() << "\n";
+  for (int d = 0; d < 2; ++d)
+  {
+    text << s.count(d) << " " << s.degree[d] + 1 << "\n";
+    for (const double knot : s.knots[d])
+    {
+      text << knot << " ";
+    }
+    text << "\n";
+  }
+  for (std::size_t i = 0; i < s.points.size(); ++i)
+  {
+    const double w = s.rational() ? s.weights[i] : 1.0;
+    text << w * s.points[i][0] << " " << w * s.points[i][1] << " " << w * s.points[i][2];
+    text << (s.rational() ? " " : "");
+    s.rational() ? text << w << "\n" : text << "\n";
+  }
+  return text.str();
+}
+
+/// The tessellation lies on its patches, and covers their area.
+void checkTessellation(const Reading& reading)
+{
+  const std::vector<BodyPatch> patches = reading.patches();
+  vtkPolyData* surface = reading.surface();
+  ASSERT_NE(surface, nullptr);
+  auto* ids = vtkIntArray::SafeDownCast(surface->GetPointData()->GetArray("PatchId"));
+  auto* uv = vtkDoubleArray::SafeDownCast(surface->GetPointData()->GetArray("UV"));
+  vtkDataArray* normals = surface->GetPointData()->GetNormals();
+  ASSERT_TRUE(ids && uv && normals);
+  EXPECT_STREQ(normals->GetName(), "Normals");
+  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
+  {
+    const BodyPatch& patch = patches.at(ids->GetValue(i));
+    const SurfaceGeometry at =
+      surfaceGeometry(patch.surface, uv->GetComponent(i, 0), uv->GetComponent(i, 1), patch.reversed);
+    Vec3 x;
+    surface->GetPoint(i, x.data());
+    EXPECT_EQ(x, at.point);
+    EXPECT_EQ(Vec3(normals->GetTuple(i)), at.normal);
+  }
+  std::vector<double> covered(patches.size(), 0.0);
+  double outward = 0.0;
+  for (vtkIdType c = 0; c < surface->GetNumberOfCells(); ++c)
+  {
+    vtkIdType count;
+    const vtkIdType* ends;
+    surface->GetPolys()->GetCellAtId(c, count, ends);
+    ASSERT_EQ(count, 3);
+    Vec3 p[3];
+    for (int k = 0; k < 3; ++k)
+    {
+      surface->GetPoint(ends[k], p[k].data());
+    }
+    const Vec3 twice = (p[1] - p[0]).cross(p[2] - p[0]);
+    covered[ids->GetValue(ends[0])] += 0.5 * twice.norm();
+    outward += twice.dot(Vec3(normals->GetTuple(ends[0]))) > 0.0 ? 0.5 * twice.norm() : 0.0;
+  }
+  double total = 0.0;
+  double whole = 0.0;
+  for (std::size_t i = 0; i < patches.size(); ++i)
+  {
+    total += covered[i];
+    whole += patchArea(patches[i], 1e-6);
+  }
+  EXPECT_NEAR(total / whole, 1.0, 0.01);
+  EXPECT_GT(outward / total, 0.99);
+}
+
+} // namespace
+
+TEST(NURBSSurfaceReader, G2KeepsEveryBit)
+{
+  const Folder folder;
+  NURBSSurface plain = bumpy(1, { 3, 2 }, { 4, 3 }, 0.3, false);
+  NURBSSurface rational = bumpy(2, { 4, 3 }, { 2, 3 }, 0.3, true);
+  for (double& weight : rational.weights)
+  {
+    // Powers of two: the format stores points times weights, which then is exact.
+    weight = weight > 1.0 ? 2.0 : 0.5;
+  }
+  writeText(folder / "body.g2", g2(plain) + "\n" + g2(rational));
+  Reading reading;
+  reading.read(folder / "body.g2");
+  ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+  EXPECT_TRUE(reading.warnings.empty());
+  const std::vector<BodyPatch> patches = reading.patches();
+  ASSERT_EQ(patches.size(), 2u);
+  for (int p = 0; p < 2; ++p)
+  {
+    const NURBSSurface& expected = p == 0 ? plain : rational;
+    EXPECT_EQ(patches[p].surface.degree, expected.degree);
+    EXPECT_EQ(patches[p].surface.knots, expected.knots);
+    EXPECT_EQ(patches[p].surface.points, expected.points);
+    EXPECT_EQ(patches[p].surface.weights, expected.weights);
+    EXPECT_TRUE(patches[p].loops.empty());
+  }
+  EXPECT_STREQ(reading.reader->GetFormat(), "GoTools g2");
+  EXPECT_STREQ(reading.reader->GetDeclaredUnit(), "unknown");
+  vtkDataAssembly* assembly = reading.output->GetDataAssembly();
+  EXPECT_STREQ(assembly->GetRootNodeName(), "body");
+  const int parent = assembly->GetFirstNodeByPath("/body/patches");
+  EXPECT_EQ(assembly->GetNumberOfChildren(parent), 2);
+  EXPECT_EQ(assembly->GetDataSetIndices(assembly->GetFirstNodeByPath("/body/surface")), std::vector<unsigned int>{ 2 });
+  EXPECT_STREQ(reading.output->GetMetaData(0u)->Get(vtkCompositeDataSet::NAME()), "Surface 1");
+  checkTessellation(reading);
+}
+
+TEST(NURBSSurfaceReader, PatchesSurviveTheirDataObjects)
+{
+  std::vector<BodyPatch> patches{ { "same name", sphere(1.0), {}, true },
+    { "same name", rectangle(10, 8), { circleLoop({ 5, 4 }, 2.0), circleLoop({ 5, 4 }, 1.0) }, false },
+    { "", torus(3, 1), {}, false } };
+  patches[1].loops[1].push_back({ 1, { 0, 0, 1, 1 }, { { 1, 1 }, { 2, 2 } }, {} });
+  vtkNew<vtkPartitionedDataSetCollection> collection;
+  setBody(collection, patches, { "", "7", "" }, nullptr);
+  const auto expectSame = [&](const std::vector<BodyPatch>& back) {
+    ASSERT_EQ(back.size(), patches.size());
+    for (std::size_t i = 0; i < patches.size(); ++i)
+    {
+      EXPECT_EQ(back[i].name, patches[i].name.empty() ? "Patch_2" : patches[i].name);
+      EXPECT_EQ(back[i].surface.degree, patches[i].surface.degree);
+      EXPECT_EQ(back[i].reversed, patches[i].reversed);
+      EXPECT_EQ(back[i].surface.knots, patches[i].surface.knots);
+      EXPECT_EQ(back[i].surface.points, patches[i].surface.points);
+      EXPECT_EQ(back[i].surface.weights, patches[i].surface.weights);
+      ASSERT_EQ(back[i].loops.size(), patches[i].loops.size());
+      for (std::size_t l = 0; l < patches[i].loops.size(); ++l)
+      {
+        ASSERT_EQ(back[i].loops[l].size(), patches[i].loops[l].size());
+        for (std::size_t c = 0; c < patches[i].loops[l].size(); ++c)
+        {
+          EXPECT_EQ(back[i].loops[l][c].degree, patches[i].loops[l][c].degree);
+          EXPECT_EQ(back[i].loops[l][c].knots, patches[i].loops[l][c].knots);
+          EXPECT_EQ(back[i].loops[l][c].points, patches[i].loops[l][c].points);
+          EXPECT_EQ(back[i].loops[l][c].weights, patches[i].loops[l][c].weights);
+        }
+      }
+    }
+  };
+  expectSame(bodyPatches(collection));
+
+  // On several ranks: each has some of the patches, one of them none; all get all.
+  for (int size = 2; size <= 4; ++size)
+  {
+    const auto errors = bsvtest::onRanks(size, [&](const Execution& run) {
+      vtkNew<vtkPartitionedDataSetCollection> part;
+      part->ShallowCopy(collection);
+      for (unsigned int p = 0; p < part->GetNumberOfPartitionedDataSets(); ++p)
+      {
+        if (run.ranks->rank() != static_cast<int>(1 + p % (size - 1)) && (p != 1 || run.ranks->rank() != 2))
+        {
+          part->SetNumberOfPartitions(p, 0);
+        }
+      }
+      expectSame(bodyPatches(part, *run.ranks));
+      // What all have is not sent: the points alone would be more than this.
+      const Index received = run.ranks->receivedBytes();
+      const Index points = static_cast<Index>(sizeof(double) * 3 * patches[0].surface.points.size());
+      EXPECT_TRUE(run.ranks->rank() > 0 || received > points);
+      expectSame(bodyPatches(collection, *run.ranks));
+      EXPECT_LT(run.ranks->receivedBytes() - received, points);
+      EXPECT_THROW(bodyPatches(nullptr, *run.ranks), Error);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(size));
+  }
+
+  // Damaged arrays name the patch and the array.
+  auto* grid = vtkStructuredGrid::SafeDownCast(collection->GetPartitionAsDataObject(1, 0));
+  vtkIntArray::SafeDownCast(grid->GetFieldData()->GetArray("TrimCurves"))->SetValue(2, 1000000);
+  try
+  {
+    bodyPatches(collection);
+    FAIL();
+  }
+  catch (const Error& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("patch 1 'same name': field data array 'TrimCurves'"), std::string::npos)
+      << error.what();
+  }
+  vtkNew<vtkPolyData> nothing;
+  EXPECT_THROW(bodyPatches(nothing), Error);
+  EXPECT_THROW(bodyPatches(nullptr), Error);
+}
+
+TEST(NURBSSurfaceReader, UnitsAreScaledOnDemand)
+{
+  const Folder folder;
+  const NURBSSurface plain = bumpy(1, { 3, 2 }, { 4, 3 }, 0.3, false);
+  writeText(folder / "body.g2", g2(plain));
+  Reading reading;
+  reading.reader->SetLengthUnit(vtkNURBSSurfaceReader::METRE);
+  reading.reader->SetFileUnit(vtkNURBSSurfaceReader::MILLIMETRE);
+  reading.read(folder / "body.g2");
+  ASSERT_TRUE(reading.errors.empty());
+  const std::vector<BodyPatch> patches = reading.patches();
+  for (std::size_t i = 0; i < plain.points.size(); ++i)
+  {
+    EXPECT_EQ(patches[0].surface.points[i], plain.points[i] / 1000.0);
+  }
+  // The file itself says nothing.
+  Reading unknown;
+  unknown.reader->SetLengthUnit(vtkNURBSSurfaceReader::METRE);
+  unknown.read(folder / "body.g2");
+  ASSERT_EQ(unknown.errors.size(), 1u);
+  EXPECT_NE(unknown.errors[0].find("FileUnit"), std::string::npos) << unknown.errors[0];
+}
+
+TEST(NURBSSurfaceReader, WrongG2FilesAreRefusedWithTheirLine)
+{
+  const Folder folder;
+  const std::string good = g2(bumpy(3, { 2, 2 }, { 2, 2 }, 0.3, true));
+  const auto broken = [&](const std::string& text, const std::string& part) {
+    writeText(folder / "bad.g2", text);
+    const std::string error = refused(folder / "bad.g2");
+    EXPECT_NE(error.find(part), std::string::npos) << error;
+  };
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos);
+    return text.replace(at, from.size(), to);
+  };
+  broken("", "the file is empty");
+  broken("hello\n", "neither an IGES");
+  broken("200", "neither");
+  broken("200 1 0 0\n", "line 2: the file ends where the dimension");
+  broken("210 1 0 0\n200\n", "line 1: class 210 (bounded (trimmed) surface) is not supported");
+  broken("700 1 0 0\n3 0\n", "class 700 (spline volume)");
+  broken(replaced("3 1\n", "2 1\n"), "line 2: the surface has dimension 2");
+  broken(replaced("3 1\n", "3 7\n"), "line 2: the rational flag is 7");
+  broken(replaced("4 3\n", "400000000 3\n"), "line 3: the number of control points is 400000000");
+  broken(replaced("4 3\n", "40000000 3\n"), "line 3: the file is too short");
+  broken(replaced("4 3\n", "4 9\n"), "line 3: the order 9 exceeds");
+  broken(replaced("4 3\n", "4 x\n"), "line 3: 'x' is no whole number");
+  broken(replaced("0 0 0 ", "0 0 nan "), "line 4: 'nan' is no finite number");
+  broken(replaced("0 0 0 ", "0 1e999 0 "), "line 4");
+  broken(replaced("0 0 0 ", "0 2 0 "), "line 4: a knot is smaller");
+  broken(good + "garbage", "'garbage' is no whole number");
+  // Cut anywhere, as long as a number is missing; the first cards alone are another format, or none.
+  for (std::size_t size = 12; size + 30 < good.size(); size += 37)
+  {
+    writeText(folder / "cut.g2", good.substr(0, size));
+    refused(folder / "cut.g2");
+  }
+  refused(folder / "missing.g2");
+  // A curve is no surface, but no error beside one.
+  const std::string curve = "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0 0\n1 1 1\n";
+  broken(curve, "holds no surface; it holds: 1 spline curve");
+  writeText(folder / "both.g2", curve + good);
+  Reading both;
+  both.read(folder / "both.g2");
+  EXPECT_TRUE(both.errors.empty());
+  ASSERT_EQ(both.warnings.size(), 1u);
+  EXPECT_NE(both.warnings[0].find("1 spline curve"), std::string::npos);
+  EXPECT_STREQ(both.reader->GetNotRead(), "1 spline curve");
+}
+
+TEST(NURBSSurfaceReader, SharedG2Files)
+{
+  const std::string file = sharedFile("spline_surface_1.g2");
+  if (file.empty())
+  {
+    GTEST_SKIP() << "needs BSV_SHARED_DATA";
+  }
+  Reading reading;
+  reading.read(file);
+  ASSERT_TRUE(reading.errors.empty());
+  const NURBSSurface surface = reading.patches()[0].surface;
+  EXPECT_EQ(surface.count(0), 18);
+  EXPECT_EQ(surface.count(1), 17);
+  EXPECT_EQ(surface.points[0], Vec3(23.9564155054104, 15.1533216458665, 14.7836780757033));
+  checkTessellation(reading);
+  EXPECT_NE(refused(sharedFile("trimmed_sfs.g2")).find("line 1: class 210"), std::string::npos);
+}
+
+#ifndef BSPLINEVOLUME_WITH_OPENCASCADE
+
+TEST(NURBSSurfaceReader, CADFilesNeedOpenCASCADE)
+{
+  const Folder folder;
+  writeText(folder / "a.step", "ISO-10303-21;\nEND-ISO-10303-21;\n");
+  EXPECT_NE(refused(folder / "a.step").find("OpenCASCADE"), std::string::npos);
+  EXPECT_EQ(vtkNURBSSurfaceReader::CanReadFile((folder / "a.step").c_str()), 0);
+}
+
+#else
+
+namespace
+{
+
+/// Writes a shape and mutes the writers.
+void writeShape(const TopoDS_Shape& shape, const std::string& fileName, const char* unit = "MM")
+{
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  IGESControl_Controller::Init();
+  if (fileName.find(".igs") != std::string::npos)
+  {
+    IGESControl_Writer writer(unit, 1);
+    writer.AddShape(shape);
+    writer.ComputeModel();
+    ASSERT_TRUE(writer.Write(fileName.c_str()));
+  }
+  else if (fileName.find(".step") != std::string::npos)
+  {
+    Interface_Static::SetCVal("write.step.unit", unit);
+    STEPControl_Writer writer;
+    writer.Transfer(shape, STEPControl_AsIs);
+    ASSERT_EQ(writer.Write(fileName.c_str()), IFSelect_RetDone);
+  }
+  else
+  {
+    ASSERT_TRUE(BRepTools::Write(shape, fileName.c_str()));
+  }
+}
+
+double areaOf(const TopoDS_Shape& shape)
+{
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(shape, properties, 1e-9);
+  return properties.Mass();
+}
+
+double areaOf(const std::vector<BodyPatch>& patches)
+{
+  double area = 0.0;
+  for (const BodyPatch& patch : patches)
+  {
+    area += patchArea(patch);
+  }
+  return area;
+}
+
+/// Bodies of every elementary surface, trimmed by each other.
+TopoDS_Shape primitives()
+{
+  BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  const gp_Ax2 axis(gp_Pnt(1, 2, 3), gp_Dir(1, 2, 2));
+  builder.Add(all, BRepPrimAPI_MakeSphere(axis, 2.0).Shape());
+  builder.Add(all, BRepPrimAPI_MakeTorus(axis, 9.0, 1.5).Shape());
+  builder.Add(all, BRepPrimAPI_MakeCone(gp_Ax2(gp_Pnt(20, 0, 0), gp_Dir(0, 0, 1)), 3.0, 0.0, 4.0).Shape());
+  builder.Add(all, BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(30, 0, 0), gp_Dir(0, 1, 0)), 2.0, 5.0, 2.0).Shape());
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(gp_Pnt(40, 0, 0), 4.0, 5.0, 6.0).Shape();
+  const TopoDS_Shape drill = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(42, -1, 3), gp_Dir(0.2, 1, 0.1)), 1.0, 9.0).Shape();
+  const TopoDS_Shape ball = BRepPrimAPI_MakeSphere(gp_Pnt(44, 5, 6), 1.7).Shape();
+  builder.Add(all, BRepAlgoAPI_Cut(BRepAlgoAPI_Cut(box, drill).Shape(), ball).Shape());
+  return all;
+}
+
+/// A face of a B-spline surface.
+TopoDS_Shape splineFace(const NURBSSurface& s)
+{
+  TColgp_Array2OfPnt poles(1, s.count(0), 1, s.count(1));
+  TColStd_Array2OfReal weights(1, s.count(0), 1, s.count(1));
+  for (int j = 0; j < s.count(1); ++j)
+  {
+    for (int i = 0; i < s.count(0); ++i)
+    {
+      const std::size_t at = std::size_t(j) * s.count(0) + i;
+      poles(i + 1, j + 1) = gp_Pnt(s.points[at][0], s.points[at][1], s.points[at][2]);
+      weights(i + 1, j + 1) = s.rational() ? s.weights[at] : 1.0;
+    }
+  }
+  std::vector<double> values[2];
+  std::vector<int> counts[2];
+  for (int d = 0; d < 2; ++d)
+  {
+    for (const double knot : s.knots[d])
+    {
+      if (values[d].empty() || values[d].back() != knot)
+      {
+        values[d].push_back(knot);
+        counts[d].push_back(0);
+      }
+      ++counts[d].back();
+    }
+  }
+  const auto reals = [](const std::vector<double>& v) {
+    return TColStd_Array1OfReal(v[0], 1, static_cast<int>(v.size()));
+  };
+  const auto integers = [](const std::vector<int>& v) {
+    return TColStd_Array1OfInteger(v[0], 1, static_cast<int>(v.size()));
+  };
+  Handle(Geom_BSplineSurface) surface = new Geom_BSplineSurface(poles, weights, reals(values[0]), reals(values[1]),
+    integers(counts[0]), integers(counts[1]), s.degree[0], s.degree[1]);
+  return BRepBuilderAPI_MakeFace(surface, 1e-7).Shape();
+}
+
+/// The B-spline surfaces (entity 128) of an IGES file, read from its text without any library.
+std::vector<NURBSSurface> igesSurfaces(const std::string& fileName)
+{
+  std::ifstream stream(fileName);
+  std::string line;
+  std::string parameters;
+  while (std::getline(stream, line))
+  {
+    if (line.size() > 72 && line[72] == 'P')
+    {
+      parameters += line.substr(0, 64);
+    }
+  }
+  std::vector<NURBSSurface> surfaces;
+  std::istringstream entities(parameters);
+  for (std::string entity; std::getline(entities, entity, ';');)
+  {
+    std::istringstream fields(entity);
+    std::vector<double> v;
+    for (std::string field; std::getline(fields, field, ',');)
+    {
+      std::replace(field.begin(), field.end(), 'D', 'E');
+      v.push_back(std::strtod(field.c_str(), nullptr));
+    }
+    if (v.empty() || v[0] != 128.0)
+    {
+      continue;
+    }
+    NURBSSurface s;
+    const int n[2] = { static_cast<int>(v[1]) + 1, static_cast<int>(v[2]) + 1 };
+    s.degree = { static_cast<int>(v[3]), static_cast<int>(v[4]) };
+    std::size_t at = 10;
+    for (int d = 0; d < 2; ++d)
+    {
+      s.knots[d].assign(v.begin() + at, v.begin() + at + n[d] + s.degree[d] + 1);
+      at += n[d] + s.degree[d] + 1;
+    }
+    s.weights.assign(v.begin() + at, v.begin() + at + n[0] * n[1]);
+    at += n[0] * n[1];
+    for (int i = 0; i < n[0] * n[1]; ++i, at += 3)
+    {
+      s.points.emplace_back(v[at], v[at + 1], v[at + 2]);
+    }
+    surfaces.push_back(s);
+  }
+  return surfaces;
+}
+
+void expectSameBits(const std::vector<BodyPatch>& patches, const std::vector<NURBSSurface>& expected)
+{
+  ASSERT_EQ(patches.size(), expected.size());
+  for (std::size_t i = 0; i < patches.size(); ++i)
+  {
+    const NURBSSurface& s = patches[i].surface;
+    EXPECT_EQ(s.degree, expected[i].degree) << i;
+    EXPECT_EQ(s.knots, expected[i].knots) << i;
+    EXPECT_EQ(s.points, expected[i].points) << i;
+    const bool equal = std::all_of(
+      expected[i].weights.begin(), expected[i].weights.end(), [&](double w) { return w == expected[i].weights[0]; });
+    EXPECT_EQ(s.weights, equal ? std::vector<double>() : expected[i].weights) << i;
+  }
+}
+
+/// Our closest points against OpenCASCADE's extrema on its own shape, at points near the body and far from it.
+void compareClosestPoints(const std::vector<BodyPatch>& patches, const TopoDS_Shape& shape, int count)
+{
+  const BodySurface body(patches);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  // Faces alone: points inside a solid have the distance zero from it.
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  for (int f = 1; f <= faces.Extent(); ++f)
+  {
+    builder.Add(all, faces(f));
+  }
+  double farther = 0.0;
+  double worstResidual = 0.0;
+  for (int n = 0; n < count; ++n)
+  {
+    Vec3 query;
+    for (int k = 0; k < 3; ++k)
+    {
+      query[k] = body.bounds().min()[k] + (1.2 * unit(random) - 0.1) * body.bounds().diagonal()[k];
+    }
+    const BodyPoint at = body.closestPoint(query);
+    BRepExtrema_DistShapeShape other(BRepBuilderAPI_MakeVertex(gp_Pnt(query[0], query[1], query[2])).Vertex(), all);
+    ASSERT_TRUE(other.IsDone());
+    // Its edges are curves of their own, off the surface by up to their tolerance: that much does not count.
+    double off = 1e300;
+    for (int s = 1; s <= other.NbSolution(); ++s)
+    {
+      const gp_Pnt p = other.PointOnShape2(s);
+      off = std::min(off, body.closestPoint({ p.X(), p.Y(), p.Z() }).distance);
+    }
+    farther = std::max(farther, (at.distance - other.Value() - off) / body.size());
+    if (!at.onEdge)
+    {
+      const SurfaceDerivatives d = evaluate(patches[at.patch].surface, at.u, at.v);
+      const Vec3 r = query - d.x;
+      worstResidual = std::max({ worstResidual, std::abs(r.dot(d.u)) / std::max(d.u.norm(), 1e-300) / body.size(),
+        std::abs(r.dot(d.v)) / std::max(d.v.norm(), 1e-300) / body.size() });
+    }
+  }
+  std::cout << "closest points: farther than OpenCASCADE's by " << farther << " of the size, residual " << worstResidual
+            << " of the size\n";
+  EXPECT_LE(farther, 1e-9);
+  EXPECT_LE(worstResidual, 1e-12);
+}
+
+} // namespace
+
+TEST(NURBSSurfaceReader, PrimitivesBecomeNURBSExactly)
+{
+  const Folder folder;
+  const TopoDS_Shape shape = primitives();
+  for (const char* name : { "all.brep", "all.step", "all.igs" })
+  {
+    SCOPED_TRACE(name);
+    writeShape(shape, folder / name);
+    Reading reading;
+    reading.read(folder / name);
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    EXPECT_TRUE(reading.warnings.empty()) << reading.warnings[0];
+    const std::vector<BodyPatch> patches = reading.patches();
+    EXPECT_GT(reading.reader->GetNumberOfRationalPatches(), 4);
+    EXPECT_NEAR(areaOf(patches) / areaOf(shape), 1.0, 1e-7);
+    checkTessellation(reading);
+  }
+  // The sphere is one.
+  Reading reading;
+  reading.read(folder / "all.brep");
+  const std::vector<BodyPatch> patches = reading.patches();
+  const BodySurface ball({ patches[0] });
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-4.0, 4.0);
+  for (int n = 0; n < 300; ++n)
+  {
+    const Vec3 center(1, 2, 3);
+    const Vec3 query = center + Vec3(place(random), place(random), place(random));
+    const BodyPoint at = ball.closestPoint(query);
+    EXPECT_NEAR(at.distance, std::abs((query - center).norm() - 2.0), 1e-13);
+    EXPECT_NEAR(at.geometry.normal.dot((query - center).normalized()), 1.0, 1e-12);
+  }
+  compareClosestPoints(patches, shape, 150);
+}
+
+TEST(NURBSSurfaceReader, SplinesKeepEveryBit)
+{
+  const Folder folder;
+  NURBSSurface surface = bumpy(5, { 3, 4 }, { 4, 3 }, 0.4, true);
+  // A knot of multiplicity degree must not split the surface.
+  NURBSSurface kinked = bumpy(6, { 2, 3 }, { 4, 3 }, 0.4, false);
+  kinked.knots[0][4] = kinked.knots[0][3];
+  BRep_Builder builder;
+  TopoDS_Compound both;
+  builder.MakeCompound(both);
+  builder.Add(both, splineFace(surface));
+  builder.Add(both, splineFace(kinked));
+  for (const char* unit : { "MM", "M", "INCH" })
+  {
+    SCOPED_TRACE(unit);
+    writeShape(both, folder / "splines.igs", unit);
+    Reading reading;
+    reading.read(folder / "splines.igs");
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    expectSameBits(reading.patches(), igesSurfaces(folder / "splines.igs"));
+    EXPECT_EQ(reading.reader->GetNumberOfTrimmedPatches(), 0);
+    // In metres all files say the same, whatever their unit.
+    Reading metres;
+    metres.reader->SetLengthUnit(vtkNURBSSurfaceReader::METRE);
+    metres.read(folder / "splines.igs");
+    EXPECT_LE((metres.patches()[0].surface.points[7] - surface.points[7] / 1000.0).norm(), 1e-12);
+  }
+  // OpenCASCADE's own format holds all digits.
+  writeShape(both, folder / "splines.brep");
+  Reading reading;
+  reading.read(folder / "splines.brep");
+  expectSameBits(reading.patches(), { surface, kinked });
+  EXPECT_EQ(smoothPieces(reading.patches()[1].surface).size(), 2u);
+}
+
+TEST(NURBSSurfaceReader, WhatIsNoSurfaceIsCounted)
+{
+  const Folder folder;
+  BRep_Builder builder;
+  TopoDS_Compound mixed;
+  builder.MakeCompound(mixed);
+  builder.Add(mixed, BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape());
+  builder.Add(mixed, BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 9), gp_Pnt(1, 0, 9)).Shape());
+  builder.Add(mixed, BRepBuilderAPI_MakeVertex(gp_Pnt(0, 0, 11)).Shape());
+  for (const char* name : { "mixed.brep", "mixed.igs" })
+  {
+    SCOPED_TRACE(name);
+    writeShape(mixed, folder / name);
+    Reading reading;
+    reading.read(folder / name);
+    ASSERT_TRUE(reading.errors.empty());
+    EXPECT_EQ(reading.reader->GetNumberOfPatches(), 6);
+    EXPECT_EQ(reading.reader->GetNumberOfTrimmedPatches(), 0);
+    ASSERT_EQ(reading.warnings.size(), 1u);
+    EXPECT_NE(std::string(reading.reader->GetNotRead()).find("1 curve without a face"), std::string::npos)
+      << reading.reader->GetNotRead();
+    EXPECT_NE(std::string(reading.reader->GetNotRead()).find("1 point without a face"), std::string::npos)
+      << reading.reader->GetNotRead();
+  }
+  TopoDS_Compound curve;
+  builder.MakeCompound(curve);
+  builder.Add(curve, BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 9), gp_Pnt(1, 0, 9)).Shape());
+  writeShape(curve, folder / "curve.brep");
+  EXPECT_NE(refused(folder / "curve.brep").find("holds no surface; it holds: 1 curve"), std::string::npos);
+}
+
+TEST(NURBSSurfaceReader, TruncatedCADFilesAreRefused)
+{
+  const Folder folder;
+  const TopoDS_Shape shape = primitives();
+  for (const std::string name : { "all.brep", "all.step", "all.igs" })
+  {
+    SCOPED_TRACE(name);
+    writeShape(shape, folder / name);
+    const std::string text = readText(folder / name);
+    for (int n = 1; n < 20; ++n)
+    {
+      const std::string cut = folder / ("cut" + std::to_string(n) + name);
+      writeText(cut, text.substr(0, text.size() * n / 20));
+      refused(cut);
+    }
+    // The last line alone is missing.
+    const std::string cut = folder / ("last" + name);
+    writeText(cut, text.substr(0, text.find_last_not_of("\n\r ", text.size() - 1) - 3));
+    refused(cut);
+    // The middle is missing, or another file's.
+    writeText(cut, text.substr(0, text.size() / 3) + text.substr(text.size() / 2));
+    Reading reading;
+    reading.read(cut);
+    EXPECT_EQ(reading.errors.size(), 1u);
+    EXPECT_EQ(reading.output->GetNumberOfPartitionedDataSets(), 0u);
+  }
+}
+
+TEST(NURBSSurfaceReader, DamagedEntitiesAreRefused)
+{
+  const Folder folder;
+  writeShape(primitives(), folder / "all.step");
+  const std::string text = readText(folder / "all.step");
+  // Every entity that is a point for one that is unknown, then for one of another kind; one reference to nowhere.
+  for (const std::string other : { "CARTESIAN_PAINT", "DIRECTION" })
+  {
+    std::size_t at = text.find("CARTESIAN_POINT(");
+    for (int n = 0; n < 12 && at != std::string::npos; ++n)
+    {
+      writeText(folder / "bad.step", std::string(text).replace(at, 15, other));
+      refused(folder / "bad.step");
+      at = text.find("CARTESIAN_POINT(", at + text.size() / 15);
+    }
+  }
+  const std::size_t reference = text.find("(#", text.size() / 2);
+  writeText(folder / "bad.step", std::string(text).replace(reference + 2, 1, "99999"));
+  EXPECT_NE(refused(folder / "bad.step").find("is used but nowhere defined"), std::string::npos);
+}
+
+TEST(NURBSSurfaceReader, SharedCADFiles)
+{
+  struct Case
+  {
+    const char* name;
+    int patches;
+    int trimmed;
+    double unit;
+  };
+  for (const Case& known :
+    { Case{ "onera_m6_machaero.igs", 10, 0, 1.0 }, { "nacelle.stp", 6, 0, 1e-3 }, { "hammer.iges", 45, 45, 1e-3 },
+      { "screw.step", 10, 8, 1e-3 }, { "export_D150WithGuides_wing.igs", 8, 2, 1e-3 } })
+  {
+    SCOPED_TRACE(known.name);
+    const std::string file = sharedFile(known.name);
+    if (file.empty())
+    {
+      GTEST_SKIP() << "needs BSV_SHARED_DATA";
+    }
+    Reading reading;
+    reading.read(file);
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    EXPECT_EQ(reading.reader->GetNumberOfPatches(), known.patches);
+    EXPECT_EQ(reading.reader->GetNumberOfTrimmedPatches(), known.trimmed);
+    EXPECT_STREQ(reading.reader->GetDeclaredUnit(), known.unit == 1.0 ? "metre" : "millimetre");
+    checkTessellation(reading);
+    if (std::string(known.name).find(".ig") != std::string::npos)
+    {
+      // The last two faces of the wing lie on planes.
+      std::vector<BodyPatch> splines = reading.patches();
+      const std::vector<NURBSSurface> expected = igesSurfaces(file);
+      splines.resize(std::min(splines.size(), expected.size()));
+      expectSameBits(splines, expected);
+    }
+  }
+}
+
+TEST(NURBSSurfaceReader, AircraftIsComplete)
+{
+  const std::string file = sharedFile("export_D150WithGuides_fusedAircraft.brep");
+  if (file.empty())
+  {
+    GTEST_SKIP() << "needs BSV_SHARED_DATA";
+  }
+  Reading reading;
+  reading.read(file);
+  ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+  const std::vector<BodyPatch> patches = reading.patches();
+  TopoDS_Shape shape;
+  BRep_Builder builder;
+  ASSERT_TRUE(BRepTools::Read(shape, file.c_str(), builder));
+  const double area = areaOf(patches);
+  std::cout << "area " << area << ", relative difference to OpenCASCADE's " << area / areaOf(shape) - 1.0 << "\n";
+  EXPECT_NEAR(area / areaOf(shape), 1.0, 1e-6);
+  checkTessellation(reading);
+
+  const BodySurface body(patches);
+  std::vector<TrimRegion> regions;
+  for (const BodyPatch& patch : patches)
+  {
+    regions.emplace_back(patch.loops);
+  }
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<Vec3> queries(100000);
+  for (Vec3& query : queries)
+  {
+    const int p = static_cast<int>(random() % patches.size());
+    const NURBSSurface& surface = patches[p].surface;
+    const double u = surface.first(0) + unit(random) * (surface.last(0) - surface.first(0));
+    const double v = surface.first(1) + unit(random) * (surface.last(1) - surface.first(1));
+    query = evaluate(surface, u, v).x;
+    for (int k = 0; k < 3; ++k)
+    {
+      query[k] += 0.02 * body.size() * (unit(random) - 0.5);
+    }
+  }
+  const std::vector<BodyPoint> found = body.closestPoints(queries);
+  int outliers = 0;
+  int trimmed = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i)
+  {
+    const BodyPoint& at = found[i];
+    const bool inside = regions[at.patch].contains({ at.u, at.v });
+    trimmed += !patches[at.patch].loops.empty();
+    if (!inside && (!at.onEdge || body.closestEdgePoint(at.geometry.point).distance > 1e-12 * body.size()))
+    {
+      ++outliers;
+    }
+  }
+  std::cout << queries.size() << " closest points, " << trimmed << " of them on trimmed patches, " << outliers
+            << " beyond a trimming edge\n";
+  EXPECT_EQ(outliers, 0);
+  EXPECT_GT(trimmed, 1000);
+  compareClosestPoints(patches, shape, 100);
+}
+
+#endif
