@@ -2,11 +2,11 @@
 #include "vtkBSplineVolumeQuality.h"
 
 #include "Data/BSplineVolumeData.h"
-#include "Execution/FilterExecution.h"
 #include "Data/HexBlockData.h"
+#include "Execution/FilterExecution.h"
 #include "Quality/JacobianBounds.h"
-#include "Volume/Sampling.h"
 #include "Quality/SpanShape.h"
+#include "Volume/Sampling.h"
 #include "Volume/VolumeInterfaces.h"
 
 #include "vtkCellArray.h"

@@ -41,7 +41,7 @@
 #define vtkBSplineVolumeQuality_h
 
 #include "BSplineVolumeFiltersModule.h" // For export macro
-#include "Data/BoundaryPatterns.h"           // For the names of the walls
+#include "Data/BoundaryPatterns.h"      // For the names of the walls
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 
 class BSPLINEVOLUMEFILTERS_EXPORT vtkBSplineVolumeQuality : public vtkPartitionedDataSetCollectionAlgorithm

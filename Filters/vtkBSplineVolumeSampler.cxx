@@ -2,8 +2,8 @@
 #include "vtkBSplineVolumeSampler.h"
 
 #include "Data/BSplineVolumeData.h"
-#include "Execution/FilterExecution.h"
 #include "Data/HexBlockData.h"
+#include "Execution/FilterExecution.h"
 #include "Execution/MemoryCheck.h"
 #include "Volume/Sampling.h"
 

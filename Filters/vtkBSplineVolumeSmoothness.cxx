@@ -2,8 +2,8 @@
 #include "vtkBSplineVolumeSmoothness.h"
 
 #include "Data/BSplineVolumeData.h"
-#include "Execution/FilterExecution.h"
 #include "Data/HexBlockData.h"
+#include "Execution/FilterExecution.h"
 #include "Quality/Smoothness.h"
 #include "Volume/VolumeInterfaces.h"
 

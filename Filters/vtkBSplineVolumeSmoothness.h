@@ -59,7 +59,7 @@
 #define vtkBSplineVolumeSmoothness_h
 
 #include "BSplineVolumeFiltersModule.h" // For export macro
-#include "Data/BoundaryPatterns.h"           // For the names of the body
+#include "Data/BoundaryPatterns.h"      // For the names of the body
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 
 #include <string> // For the report

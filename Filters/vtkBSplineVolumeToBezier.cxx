@@ -2,9 +2,9 @@
 #include "vtkBSplineVolumeToBezier.h"
 
 #include "Data/BSplineVolumeData.h"
-#include "Volume/BezierExtraction.h"
 #include "Execution/FilterExecution.h"
 #include "Execution/MemoryCheck.h"
+#include "Volume/BezierExtraction.h"
 
 #include "vtkBezierHexahedron.h"
 #include "vtkBezierQuadrilateral.h"

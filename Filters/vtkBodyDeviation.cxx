@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBodyDeviation.h"
 
-#include "Data/BSplineVolumeData.h"
 #include "Body/ClosestPoint.h"
-#include "Execution/FilterExecution.h"
+#include "Data/BSplineVolumeData.h"
 #include "Data/NURBSSurfaceData.h"
+#include "Execution/FilterExecution.h"
 #include "Ranks/OwnedValues.h"
 #include "Volume/Sampling.h"
 

@@ -30,8 +30,9 @@
  * `HausdorffDistance`, the larger of the two parts' `MaximumDistance`: an estimate from below, since both are taken
  * over samples.
  *
- * On several ranks each gives the wall of its own blocks, and the rank that has the tessellation (the lowest, if several
- * have it) the body; totals are those of all, the same bits for any distribution. The body's patches may be on any ranks.
+ * On several ranks each gives the wall of its own blocks, and the rank that has the tessellation (the lowest, if
+ * several have it) the body; totals are those of all, the same bits for any distribution. The body's patches may be on
+ * any ranks.
  *
  * An empty input gives an empty output. A volume without a wall is an error that names its boundaries.
  */
@@ -39,7 +40,7 @@
 #define vtkBodyDeviation_h
 
 #include "BSplineVolumeFiltersModule.h" // For export macro
-#include "Data/BoundaryPatterns.h"           // For the names of the body
+#include "Data/BoundaryPatterns.h"      // For the names of the body
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 
 class BSPLINEVOLUMEFILTERS_EXPORT vtkBodyDeviation : public vtkPartitionedDataSetCollectionAlgorithm

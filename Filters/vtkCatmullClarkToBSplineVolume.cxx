@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkCatmullClarkToBSplineVolume.h"
 
-#include "Data/BSplineVolumeData.h"
 #include "Complex/BlockComplex.h"
-#include "Wall/BodyFit.h"
-#include "Conversion/Conversion.h"
 #include "Complex/EntityClass.h"
-#include "Execution/FilterExecution.h"
+#include "Conversion/Conversion.h"
+#include "Data/BSplineVolumeData.h"
 #include "Data/HexBlockData.h"
 #include "Data/NURBSSurfaceData.h"
+#include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
+#include "Wall/BodyFit.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
@@ -51,13 +51,12 @@ int addBodyFaces(bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& fa
         "; the mesh has " + std::to_string(mesh.blocks.size()) + " blocks with the faces 0 to 5");
     }
     mesh.boundaries.erase(std::remove_if(mesh.boundaries.begin(), mesh.boundaries.end(),
-                            [block = block, face = face](const bsv::BoundaryPatch& patch) {
-                              return patch.block == block && patch.face == face;
-                            }),
+                            [block = block, face = face](
+                              const bsv::BoundaryPatch& patch) { return patch.block == block && patch.face == face; }),
       mesh.boundaries.end());
     const std::array<int, 3>& counts = mesh.blocks[block].points.counts();
-    mesh.boundaries.push_back({ block, face,
-      { { 0, 0 }, { counts[bsv::faceAxis(face, 0)] - 1, counts[bsv::faceAxis(face, 1)] - 1 } }, tag });
+    mesh.boundaries.push_back(
+      { block, face, { { 0, 0 }, { counts[bsv::faceAxis(face, 0)] - 1, counts[bsv::faceAxis(face, 1)] - 1 } }, tag });
   }
   return tag;
 }
@@ -137,8 +136,8 @@ struct WallPoints
   std::string report;
 };
 
-/// Decides how the wall's points are taken, and fits its control mesh: all of it if they lie on the body, else along the
-/// edges of the body.
+/// Decides how the wall's points are taken, and fits its control mesh: all of it if they lie on the body, else along
+/// the edges of the body.
 WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptions& options, int inputPoints,
   const bsv::BoundaryPatterns& patterns, bsv::BodyFitOptions fit, const bsv::Execution& run)
 {
@@ -560,8 +559,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         names.push_back(complex.blocks[b].name);
       }
     });
-    const bsv::ConversionReport counts =
-      bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0));
+    const bsv::ConversionReport counts = bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0));
 
     const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
 

@@ -49,10 +49,10 @@
 
 #include "Data/BoundaryPatterns.h" // For the names of the body
 
-#include <array>  // For the selected faces
-#include <string> // For names
+#include <array>   // For the selected faces
+#include <string>  // For names
 #include <utility> // For names with values
-#include <vector> // For names and faces
+#include <vector>  // For names and faces
 
 class vtkDataArray;
 class vtkIdTypeArray;

@@ -3,8 +3,8 @@
 
 #include "Complex/BlockComplex.h"
 #include "Complex/EntityClass.h"
-#include "Execution/FilterExecution.h"
 #include "Data/HexBlockData.h"
+#include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
 
 #include "vtkCellArray.h"
@@ -275,8 +275,8 @@ vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bs
       {
         const vtkIdType p = first + s + vtkIdType(ns + 1) * t;
         const vtkIdType q = p + ns + 1;
-        part.addCell(outward ? std::vector<vtkIdType>{ p, p + 1, q + 1, q }
-                             : std::vector<vtkIdType>{ p, q, q + 1, p + 1 });
+        part.addCell(
+          outward ? std::vector<vtkIdType>{ p, p + 1, q + 1, q } : std::vector<vtkIdType>{ p, q, q + 1, p + 1 });
       }
     }
   }

@@ -2,8 +2,8 @@
 #include "vtkWallSpacing.h"
 
 #include "Complex/BlockComplex.h"
-#include "Execution/FilterExecution.h"
 #include "Data/HexBlockData.h"
+#include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
 #include "Wall/WallSpacing.h"
 
@@ -172,8 +172,7 @@ void range(const std::vector<double>& values, double* result, const bsv::Ranks& 
   result[1] = *high;
 }
 
-std::string reportText(
-  const bsv::FlowConditions& flow, const bsv::WallSpacingResult& wall, const bsv::Ranks& ranks)
+std::string reportText(const bsv::FlowConditions& flow, const bsv::WallSpacingResult& wall, const bsv::Ranks& ranks)
 {
   const bsv::ReferenceState state = bsv::referenceState(flow);
   std::ostringstream text;
@@ -186,8 +185,8 @@ std::string reportText(
   for (std::size_t v = 0; v < wall.layers.size(); ++v)
   {
     const bsv::PlateLayer& layer = wall.layers[v];
-    const bool inRange = layer.turbulent ? layer.reynolds > 5e5 && layer.reynolds < 1e7
-                                         : layer.reynolds > 1e3 && layer.reynolds < 5e5;
+    const bool inRange =
+      layer.turbulent ? layer.reynolds > 5e5 && layer.reynolds < 1e7 : layer.reynolds > 1e3 && layer.reynolds < 5e5;
     outside += inRange ? 0 : wall.counted[v];
   }
   const std::vector<bsv::Index> outsides = ranks.gatherAll(std::vector<bsv::Index>{ outside });
@@ -269,8 +268,7 @@ int vtkWallSpacing::FillOutputPortInformation(int port, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
-int vtkWallSpacing::RequestData(
-  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);

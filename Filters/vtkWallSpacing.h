@@ -51,7 +51,7 @@
 #define vtkWallSpacing_h
 
 #include "BSplineVolumeFiltersModule.h" // For export macro
-#include "Data/BoundaryPatterns.h"           // For the names of the body
+#include "Data/BoundaryPatterns.h"      // For the names of the body
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 
 #include <string> // For the report

@@ -2,9 +2,9 @@
 #include "vtkWingFuselageSource.h"
 
 #include "Data/HexBlockData.h"
-#include "Mesh/MeshCheck.h"
 #include "Data/NURBSSurfaceData.h"
 #include "Execution/PieceRequest.h"
+#include "Mesh/MeshCheck.h"
 #include "WingFuselage/WingFuselageMesh.h"
 
 #include "vtkExecutive.h"
@@ -179,8 +179,8 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     {
       std::ostringstream text;
       text << "Resolution " << options.resolution << " is too low for Span " << options.shape.span
-           << " and Sweep Angle " << options.shape.sweepAngle
-           << ": the smallest scaled Jacobian of the cells would be " << minimum;
+           << " and Sweep Angle " << options.shape.sweepAngle << ": the smallest scaled Jacobian of the cells would be "
+           << minimum;
       throw bsv::Error(text.str());
     }
 

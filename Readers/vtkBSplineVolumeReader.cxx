@@ -2,9 +2,9 @@
 #include "vtkBSplineVolumeReader.h"
 
 #include "Data/BSplineVolumeData.h"
-#include "Formats/BSplineVolumeFile.h"
 #include "Data/HexBlockData.h"
 #include "Execution/PieceRequest.h"
+#include "Formats/BSplineVolumeFile.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkHexBlockMeshReader.h"
 
-#include "Formats/CGNSZones.h"
 #include "Data/HexBlockData.h"
-#include "Formats/NeutralMapFile.h"
 #include "Execution/PieceRequest.h"
+#include "Formats/CGNSZones.h"
+#include "Formats/NeutralMapFile.h"
 #include "Formats/Plot3DFile.h"
 
 #include "vtkDoubleArray.h"
@@ -95,8 +95,7 @@ int vtkHexBlockMeshReader::RequestInformation(
 }
 
 //------------------------------------------------------------------------------
-int vtkHexBlockMeshReader::RequestData(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   this->SetErrorCode(vtkErrorCode::NoError);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSSurfaceReader.h"
 
-#include "Formats/NURBSFile.h"
 #include "Data/NURBSSurfaceData.h"
 #include "Execution/PieceRequest.h"
+#include "Formats/NURBSFile.h"
 
 #include "vtkErrorCode.h"
 #include "vtkFieldData.h"
@@ -111,8 +111,7 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.9);
   const int success = bsv::execute(this, output, *run.ranks, [&] {
-    bsv::NURBSFileContent content =
-      bsv::readNURBSFile(this->FileName, this->TessellationTolerance, run);
+    bsv::NURBSFileContent content = bsv::readNURBSFile(this->FileName, this->TessellationTolerance, run);
 
     const double fileUnit = this->FileUnit == AS_IN_FILE ? content.unit : Units[this->FileUnit].metres;
     double targetUnit = content.unit;

@@ -40,8 +40,7 @@ int vtkQuadflowReader::CanReadFile(const char* fileName)
 }
 
 //------------------------------------------------------------------------------
-int vtkQuadflowReader::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+int vtkQuadflowReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
   return 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSSurfaceWriter.h"
 
-#include "Execution/FilterExecution.h"
 #include "Data/NURBSSurfaceData.h"
+#include "Execution/FilterExecution.h"
 #include "Formats/NURBSSurfaceFile.h"
 #include "WriteTogether.h"
 

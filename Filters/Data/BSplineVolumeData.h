@@ -18,9 +18,9 @@
 
 #include "BSplineVolumeFiltersModule.h"
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockMesh.h"
 #include "Ranks/Ranks.h"
+#include "Volume/BSplineVolume.h"
 
 #include "vtkSmartPointer.h"
 
@@ -75,8 +75,7 @@ struct BSplineVolumeBlocks
 /// Points in double precision are not copied. Collective; by default nobody shares the volume.
 /// @throws Error for what blockMesh() refuses, missing arrays, arrays of the wrong type or size, knots that
 /// checkBSplineVolume() refuses, and interfaces or boundaries that cover only part of a face.
-BSPLINEVOLUMEFILTERS_EXPORT BSplineVolumeBlocks bsplineVolumeBlocks(
-  vtkDataObject* input, const Ranks& ranks = Ranks());
+BSPLINEVOLUMEFILTERS_EXPORT BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks = Ranks());
 
 /// Writes degree and knots of a block to its field data.
 BSPLINEVOLUMEFILTERS_EXPORT void setDegreeAndKnots(vtkStructuredGrid* grid, const BSplineVolume& volume);

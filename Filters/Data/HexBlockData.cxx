@@ -561,8 +561,8 @@ void readInterfaces(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, B
       return;
     }
     const bool partial = entry.value(5, 1, "flag of a partial range") == 1;
-    contact.rangeA = partial ? entry.range(6, contact.blockA, contact.faceA)
-                             : entry.whole(contact.blockA, contact.faceA);
+    contact.rangeA =
+      partial ? entry.range(6, contact.blockA, contact.faceA) : entry.whole(contact.blockA, contact.faceA);
     for (int axis = 0; partial && axis < 2; ++axis)
     {
       contact.originB[axis] =
@@ -658,8 +658,7 @@ FaceRange wholeFace(const Ijk& counts, int face)
 
 } // namespace
 
-BlockMesh blockMesh(
-  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
+BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
 {
   std::vector<Leaf> leaves;
   if (input)
@@ -745,9 +744,8 @@ void setInterfaces(vtkFieldData* fields, const std::vector<Interface>& interface
 void setBoundaries(vtkFieldData* fields, const std::vector<BoundaryPatch>& boundaries,
   const std::vector<std::string>& names, const std::vector<Ijk>& counts)
 {
-  const bool partial = std::any_of(boundaries.begin(), boundaries.end(), [&](const BoundaryPatch& patch) {
-    return patch.range != wholeFace(counts[patch.block], patch.face);
-  });
+  const bool partial = std::any_of(boundaries.begin(), boundaries.end(),
+    [&](const BoundaryPatch& patch) { return patch.range != wholeFace(counts[patch.block], patch.face); });
   setIntArray<BoundaryPatch>(fields, "Boundaries", partial ? 7 : 3, boundaries, [](const BoundaryPatch& patch) {
     return std::vector<int>{ patch.block, patch.face, patch.tag, patch.range.lo[0], patch.range.hi[0],
       patch.range.lo[1], patch.range.hi[1] };
@@ -769,8 +767,7 @@ void setBoundaries(vtkFieldData* fields, const std::vector<BoundaryPatch>& bound
 void setCreases(vtkFieldData* fields, const std::vector<CreaseLine>& creases)
 {
   setIntArray<CreaseLine>(fields, "CreaseEdges", 7, creases, [](const CreaseLine& line) {
-    return std::vector<int>{ line.block, line.from[0], line.from[1], line.from[2], line.to[0], line.to[1],
-      line.to[2] };
+    return std::vector<int>{ line.block, line.from[0], line.from[1], line.from[2], line.to[0], line.to[1], line.to[2] };
   });
 }
 
@@ -810,8 +807,7 @@ std::string nodeName(const std::string& name)
 }
 
 void setBlocks(vtkPartitionedDataSetCollection* collection,
-  const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const std::vector<std::string>& names,
-  const char* root)
+  const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const std::vector<std::string>& names, const char* root)
 {
   collection->Initialize();
   collection->SetNumberOfPartitionedDataSets(static_cast<unsigned int>(grids.size()));

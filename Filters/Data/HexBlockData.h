@@ -50,8 +50,8 @@ namespace bsv
 /// @param ranks who shares the mesh; by default nobody.
 /// @throws Error for leaves that are no structured grids, blocks of fewer than 2 points in a direction, and arrays of
 ///   the wrong type or size or with entries out of range; for blocks and arrays that differ from rank to rank.
-BSPLINEVOLUMEFILTERS_EXPORT BlockMesh blockMesh(vtkDataObject* input,
-  std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks = Ranks());
+BSPLINEVOLUMEFILTERS_EXPORT BlockMesh blockMesh(
+  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks = Ranks());
 
 /// Point array `name` of a grid as doubles (not copied if it is a vtkDoubleArray), or null if there is none.
 /// @throws Error naming `block` and the array if it is not numeric or has not that many components.

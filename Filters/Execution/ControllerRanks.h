@@ -10,7 +10,8 @@
 namespace bsv
 {
 
-/// The processes of vtkMultiProcessController::GetGlobalController(): those of a pvserver or of pvbatch, or this one alone.
+/// The processes of vtkMultiProcessController::GetGlobalController(): those of a pvserver or of pvbatch, or this one
+/// alone.
 std::shared_ptr<const Ranks> globalRanks();
 
 } // namespace bsv

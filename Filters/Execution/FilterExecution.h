@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file FilterExecution.h
-/// Runs the core inside a VTK filter: loops on vtkSMPTools, progress and abort through the vtkAlgorithm, the other ranks
-/// through VTK's global controller.
+/// Runs the core inside a VTK filter: loops on vtkSMPTools, progress and abort through the vtkAlgorithm, the other
+/// ranks through VTK's global controller.
 #pragma once
 
+#include "Base/Types.h"
 #include "Execution/ControllerRanks.h"
 #include "Ranks/Ranks.h"
-#include "Base/Types.h"
 
 #include <vtkAlgorithm.h>
 #include <vtkCallbackCommand.h>

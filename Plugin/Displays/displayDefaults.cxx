@@ -22,8 +22,7 @@ void loadDisplayDefaults()
   {
     return;
   }
-  const std::string folder =
-    vtksys::SystemTools::GetFilenamePath(vtkGetLibraryPathForSymbol(bsvDisplaysLibrary));
+  const std::string folder = vtksys::SystemTools::GetFilenamePath(vtkGetLibraryPathForSymbol(bsvDisplaysLibrary));
   const std::string settings = folder + "/BSplineVolumeSettings.json";
   if (vtksys::SystemTools::FileExists(settings))
   {

@@ -3,8 +3,8 @@
 /// Reads B-spline volumes, polynomial or rational, from GoTools `.g2` files and MFEM NURBS meshes.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockMesh.h"
+#include "Volume/BSplineVolume.h"
 
 #include <string>
 #include <utility>

@@ -50,9 +50,8 @@ public:
   {
     std::error_code failure;
     this->Bytes = static_cast<Index>(std::filesystem::file_size(fileName, failure));
-    this->check(failure ? CGIO_ERR_FILE_OPEN
-                        : cgio_open_file(fileName.c_str(), CGIO_MODE_READ, CGIO_FILE_NONE, &this->File),
-      "");
+    this->check(
+      failure ? CGIO_ERR_FILE_OPEN : cgio_open_file(fileName.c_str(), CGIO_MODE_READ, CGIO_FILE_NONE, &this->File), "");
     int type = CGIO_FILE_NONE;
     cgio_get_file_type(this->File, &type);
     // HDF5 can compress, at most about a thousandfold.
@@ -103,8 +102,9 @@ private:
     this->Nodes += children;
     if (children < 0 || this->Nodes > this->Bytes / MinNodeBytes || depth > MaxDepth)
     {
-      this->fail(path, "there are " + std::to_string(children) + " child nodes at depth " + std::to_string(depth) +
-          ", " + std::to_string(this->Nodes) + " nodes so far; the file of " + std::to_string(this->Bytes) +
+      this->fail(path,
+        "there are " + std::to_string(children) + " child nodes at depth " + std::to_string(depth) + ", " +
+          std::to_string(this->Nodes) + " nodes so far; the file of " + std::to_string(this->Bytes) +
           " bytes cannot hold them");
     }
     if (children == 0)
@@ -159,7 +159,8 @@ private:
     }
     if (!inRange || bytes > double(this->Limit))
     {
-      this->fail(path, "the node claims " + shape + " values of type " + type + ", but the file has only " +
+      this->fail(path,
+        "the node claims " + shape + " values of type " + type + ", but the file has only " +
           std::to_string(this->Bytes) + " bytes");
     }
     this->checkChildren(node, path, depth);

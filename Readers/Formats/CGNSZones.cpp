@@ -43,7 +43,10 @@ std::string toString(const PointRange& range)
 class QuietErrors
 {
 public:
-  QuietErrors() { cg_error_handler([](int, char*) {}); }
+  QuietErrors()
+  {
+    cg_error_handler([](int, char*) {});
+  }
   ~QuietErrors() { cg_error_handler(nullptr); }
   QuietErrors(const QuietErrors&) = delete;
   QuietErrors& operator=(const QuietErrors&) = delete;
@@ -91,10 +94,7 @@ public:
   }
 
 private:
-  [[noreturn]] void fail(const std::string& what) const
-  {
-    throw Error(this->FileName + this->Where + ": " + what);
-  }
+  [[noreturn]] void fail(const std::string& what) const { throw Error(this->FileName + this->Where + ": " + what); }
 
   void check(int status, const std::string& what) const
   {
@@ -260,8 +260,8 @@ private:
         const int end = std::min(k + layers, block.counts[2]);
         const std::array<cgsize_t, 3> first{ 1, 1, k + 1 };
         const std::array<cgsize_t, 3> last{ block.counts[0], block.counts[1], end };
-        this->check(cg_coord_read(this->File, this->Base, this->Zone, Axes[axis], type, first.data(), last.data(),
-                      values.data()),
+        this->check(
+          cg_coord_read(this->File, this->Base, this->Zone, Axes[axis], type, first.data(), last.data(), values.data()),
           Axes[axis]);
         Real* to = points + 3 * layer * k + axis;
         for (Index p = 0; p < layer * (end - k); ++p)
@@ -478,8 +478,8 @@ private:
     {
       return family.data();
     }
-    const bool typed = type != CGNS_ENUMV(BCTypeNull) && type != CGNS_ENUMV(BCTypeUserDefined) &&
-      type != CGNS_ENUMV(FamilySpecified);
+    const bool typed =
+      type != CGNS_ENUMV(BCTypeNull) && type != CGNS_ENUMV(BCTypeUserDefined) && type != CGNS_ENUMV(FamilySpecified);
     return typed ? cg_BCTypeName(type) : name;
   }
 
@@ -503,8 +503,8 @@ private:
     }
   }
 
-  void addRange(int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location,
-    const std::string& label)
+  void addRange(
+    int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location, const std::string& label)
   {
     PointRange range{};
     for (int d = 0; d < 3; ++d)
@@ -526,8 +526,8 @@ private:
   }
 
   /// A list may cover several faces, or parts of them: marks the quadrilaterals and cuts them into rectangles.
-  void addList(int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location,
-    const std::string& label)
+  void addList(
+    int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location, const std::string& label)
   {
     const int normal = this->faceCenterDirection(location);
     const Ijk& size = this->counts(block);

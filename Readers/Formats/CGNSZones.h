@@ -3,9 +3,9 @@
 /// Structured zones of CGNS files (ADF or HDF5), with their 1-to-1 interfaces and boundary conditions.
 #pragma once
 
+#include "Base/Types.h"
 #include "Formats/GridBlock.h"
 #include "Ranks/Piece.h"
-#include "Base/Types.h"
 
 #include <string>
 #include <vector>
@@ -29,8 +29,8 @@ struct CGNSZones
 /// Whether the file starts like a CGNS file (ADF or HDF5). Never throws.
 bool looksLikeCGNS(const std::string& fileName);
 
-/// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity says nothing and
-/// is skipped: coincident points tell. Not to be called from several threads: the CGNS library keeps its state in
+/// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity says nothing
+/// and is skipped: coincident points tell. Not to be called from several threads: the CGNS library keeps its state in
 /// globals. Collective.
 /// @throws Error naming file, zone and value: surface or unstructured zones, no or wrong coordinates, contacts whose
 /// transforms or ranges do not fit or whose points do not coincide (see checkContacts), damaged files; Aborted.

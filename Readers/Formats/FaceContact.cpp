@@ -50,9 +50,9 @@ std::string describe(const MeshBlock& block, int face, const Ijk& at, const Vec3
 {
   std::ostringstream text;
   text.precision(9);
-  text << "block '" << block.name << "', face " << "ijk"[faceDirection(face)] << (faceSide(face) ? " max" : " min")
-       << ", point (" << at[0] << ", " << at[1] << ", " << at[2] << ") at (" << x[0] << ", " << x[1] << ", " << x[2]
-       << ")";
+  text << "block '" << block.name << "', face "
+       << "ijk"[faceDirection(face)] << (faceSide(face) ? " max" : " min") << ", point (" << at[0] << ", " << at[1]
+       << ", " << at[2] << ") at (" << x[0] << ", " << x[1] << ", " << x[2] << ")";
   return text.str();
 }
 
@@ -63,8 +63,8 @@ PointBox neighbourhood(const MeshBlock& block, int index, int face, const FaceRa
   PointBox box;
   box.block = index;
   box.lo = facePoint(last, face, std::max(0, range.lo[0] - 1), std::max(0, range.lo[1] - 1));
-  box.hi = facePoint(last, face, std::min(last[faceAxis(face, 0)], range.hi[0] + 1),
-    std::min(last[faceAxis(face, 1)], range.hi[1] + 1));
+  box.hi = facePoint(
+    last, face, std::min(last[faceAxis(face, 0)], range.hi[0] + 1), std::min(last[faceAxis(face, 1)], range.hi[1] + 1));
   const int normal = faceDirection(face);
   (faceSide(face) ? box.lo[normal] : box.hi[normal]) += faceSide(face) ? -1 : 1;
   return box;
@@ -72,8 +72,7 @@ PointBox neighbourhood(const MeshBlock& block, int index, int face, const FaceRa
 
 auto key(const Interface& c)
 {
-  return std::tie(
-    c.blockA, c.faceA, c.rangeA.lo, c.rangeA.hi, c.blockB, c.faceB, c.originB, c.orientation);
+  return std::tie(c.blockA, c.faceA, c.rangeA.lo, c.rangeA.hi, c.blockB, c.faceB, c.originB, c.orientation);
 }
 
 } // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/NURBSFile.h"
 
-#include "Volume/BSplineVolume.h"
 #include "Formats/G2File.h"
+#include "Volume/BSplineVolume.h"
 
 #include <Eigen/Geometry>
 

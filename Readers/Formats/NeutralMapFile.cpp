@@ -222,9 +222,7 @@ private:
     const DirectedRange b = this->readRange(7);
     // The flag speaks of primary directions; if that is our first axis on one side only, it turns round.
     const bool swapped = this->readSwap(13) != (primaryAxis(a.face) != primaryAxis(b.face));
-    this->located([&] {
-      this->Contacts.push_back({ faceContact(a, b, swapped), this->where() });
-    });
+    this->located([&] { this->Contacts.push_back({ faceContact(a, b, swapped), this->where() }); });
     this->Mesh.interfaces.push_back(this->Contacts.back().contact);
   }
 

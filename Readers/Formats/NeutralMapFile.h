@@ -16,8 +16,8 @@
 /// Source: W. T. Jones, The Neutral Map File, NASA Langley GEOLAB (now kept at the Turbulence Modeling Resource).
 #pragma once
 
-#include "Mesh/BlockMesh.h"
 #include "Base/Types.h"
+#include "Mesh/BlockMesh.h"
 
 #include <string>
 

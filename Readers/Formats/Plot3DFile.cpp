@@ -147,8 +147,8 @@ private:
 bool isText(InputFile& file)
 {
   const std::string start = file.text(std::min<Index>(file.size(), 8));
-  return std::all_of(start.begin(), start.end(),
-    [](char c) { return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r'; });
+  return std::all_of(
+    start.begin(), start.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r'; });
 }
 
 //----------------------------------------------------------------------------------------------------------------------
@@ -271,10 +271,7 @@ public:
 
 private:
   static bool isBlank(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
-  static bool isExponent(char c)
-  {
-    return c == 'd' || c == 'D' || c == 'q' || c == 'Q' || c == '+' || c == '-';
-  }
+  static bool isExponent(char c) { return c == 'd' || c == 'D' || c == 'q' || c == 'Q' || c == '+' || c == '-'; }
 
   /// The value as it stands in the file, cut to a readable length.
   std::string shown() const
@@ -500,8 +497,7 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
         (iblank == IBlank::Present ? " with iblank" : " without iblank");
     }
     const std::string mismatch = file.name() + ": the header promises " + describe(layout.counts) + ", that is " +
-      needs + " numbers, but the file has " + number(values) + ", down to line " +
-      std::to_string(lines);
+      needs + " numbers, but the file has " + number(values) + ", down to line " + std::to_string(lines);
     failure = expected ? mismatch : failure;
   }
   // A word instead of a number, or a missing blank, is the better explanation.
@@ -509,8 +505,8 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
   throw Error(failure);
 }
 
-void readAscii(InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Piece& piece,
-  const Execution& run)
+void readAscii(
+  InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Piece& piece, const Execution& run)
 {
   ListReader reader(file);
   readHeader(reader, layout.multiBlock, file.size());
@@ -757,8 +753,8 @@ void checkBlocks(InputFile& file, const Plot3DLayout& layout)
   }
   if (offset != file.size())
   {
-    throw Error(std::to_string(file.size() - offset) + " bytes follow the last block, from offset " +
-      std::to_string(offset));
+    throw Error(
+      std::to_string(file.size() - offset) + " bytes follow the last block, from offset " + std::to_string(offset));
   }
 }
 
@@ -838,8 +834,8 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
   std::vector<Plot3DLayout> fitting;
   std::vector<Failure> failures;
   const auto fail = [&](const Plot3DLayout& layout, Progress progress, const std::string& text) {
-    failures.push_back({ progress, layoutName(layout) + (layout.multiBlock ? "" : ", without a number of blocks") +
-        ": " + text });
+    failures.push_back(
+      { progress, layoutName(layout) + (layout.multiBlock ? "" : ", without a number of blocks") + ": " + text });
   };
   forEachBinaryHeader(file, options, [&](Plot3DLayout& layout, Progress progress, const Error* error) {
     if (error)
@@ -924,8 +920,8 @@ void readArray(InputFile& file, Index offset, Index count, ByteOrder order, cons
   }
 }
 
-void readBinary(InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Piece& piece,
-  const Execution& run)
+void readBinary(
+  InputFile& file, const Plot3DLayout& layout, std::vector<GridBlock>& blocks, const Piece& piece, const Execution& run)
 {
   Index total = 0;
   for (const GridBlock& block : blocks)
@@ -986,8 +982,7 @@ std::string Plot3DLayout::description() const
 Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options)
 {
   InputFile file(fileName);
-  const bool ascii =
-    options.format == Plot3DFormat::Automatic ? isText(file) : options.format == Plot3DFormat::Ascii;
+  const bool ascii = options.format == Plot3DFormat::Automatic ? isText(file) : options.format == Plot3DFormat::Ascii;
   const Plot3DLayout layout = ascii ? asciiLayout(file, options) : binaryLayout(file, options);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
   {

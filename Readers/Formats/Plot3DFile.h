@@ -14,9 +14,9 @@
 /// Source: P. P. Walatka et al., PLOT3D User's Manual, NASA TM-101067 (1990), chapter 8.
 #pragma once
 
+#include "Base/Types.h"
 #include "Formats/GridBlock.h"
 #include "Ranks/Piece.h"
-#include "Base/Types.h"
 
 #include <string>
 #include <vector>
@@ -85,8 +85,8 @@ Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& opti
 /// Whether the header is that of a PLOT3D file, well or ill formed behind it. Never throws.
 bool looksLikePlot3D(const std::string& fileName);
 
-/// Reads the blocks of a piece. They are named "block 1", "block 2", .. Of binary files only the header and these blocks
-/// are read; the numbers of an ASCII file are looked at in any case, those of other pieces not as closely.
+/// Reads the blocks of a piece. They are named "block 1", "block 2", .. Of binary files only the header and these
+/// blocks are read; the numbers of an ASCII file are looked at in any case, those of other pieces not as closely.
 /// @throws Error naming file, block and line or offset, and the value; Aborted.
 std::vector<GridBlock> readPlot3D(
   const std::string& fileName, const Plot3DLayout& layout, const Execution& run = {}, const Piece& piece = {});

@@ -2,8 +2,8 @@
 // Closest points on a body: a torus and a bumpy bicubic surface of 400 spans, queries in and around them.
 #include "BenchmarkSupport.h"
 
-#include "Support/BodyCases.h"
 #include "Body/ClosestPoint.h"
+#include "Support/BodyCases.h"
 
 namespace
 {
@@ -35,8 +35,8 @@ void closestPoints(benchmark::State& state)
   const bsv::Index count = bsvbench::pointsOf(state);
   const Queries& queries = bsvbench::cached<Queries>(count, [&] { return makeQueries(count); });
   const bsv::Execution run = bsvbench::execution(bsvbench::threadsOf(state));
-  const double seconds = bsvbench::fastest(
-    state, [&] { benchmark::DoNotOptimize(queries.body.closestPoints(queries.points, run).data()); });
+  const double seconds =
+    bsvbench::fastest(state, [&] { benchmark::DoNotOptimize(queries.body.closestPoints(queries.points, run).data()); });
   std::vector<double> buffer(3 * queries.points.size());
   bsvbench::report(state, seconds, 8.0 * buffer.size(), { bsvbench::half(buffer.data(), buffer.size()) });
 }

@@ -51,7 +51,9 @@ void run(benchmark::State& state, Conversion& work)
   bsvbench::report(state, seconds, work.bytes, work.copies);
 }
 
-struct SphereConversion : bsvbench::SphereCase, Conversion
+struct SphereConversion
+  : bsvbench::SphereCase
+  , Conversion
 {
   SphereConversion(bsv::Index points, bool isFloat)
     : SphereCase(points, isFloat)
@@ -63,8 +65,8 @@ struct SphereConversion : bsvbench::SphereCase, Conversion
 void conversion(benchmark::State& state, bool isFloat)
 {
   const bsv::Index points = bsvbench::pointsOf(state);
-  run(state,
-    bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); }));
+  run(
+    state, bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); }));
 }
 
 struct BoxConversion

@@ -39,8 +39,7 @@ struct Block
 void sampling(benchmark::State& state, int level, std::array<int, 3> derivative)
 {
   // As many samples as asked for, with whole spans in every direction.
-  const int cells =
-    std::max(1, static_cast<int>(std::lround(std::cbrt(double(bsvbench::pointsOf(state))))) >> level);
+  const int cells = std::max(1, static_cast<int>(std::lround(std::cbrt(double(bsvbench::pointsOf(state))))) >> level);
   const Block block({ cells, cells, cells });
   const std::array<int, 3> counts = bsv::sampleCounts(block.volume, level, "block");
   const std::size_t values = std::size_t(3) * counts[0] * counts[1] * counts[2];

@@ -60,24 +60,27 @@ inline double plainSeconds(const std::string& path, bool write)
     {
       evict(path);
     }
-    best = std::min(best, secondsOf([&] {
-      const int in = ::open(path.c_str(), O_RDONLY);
-      const int out = write ? ::open(copy.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600) : -1;
-      for (ssize_t size = 1; size > 0;)
-      {
-        size = ::read(in, buffer.data(), buffer.size());
-        if (write && size > 0 && ::write(out, buffer.data(), size) != size)
-        {
-          size = -1;
-        }
-      }
-      if (write)
-      {
-        ::fsync(out);
-        ::close(out);
-      }
-      ::close(in);
-    }, Clock::Wall));
+    best = std::min(best,
+      secondsOf(
+        [&] {
+          const int in = ::open(path.c_str(), O_RDONLY);
+          const int out = write ? ::open(copy.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600) : -1;
+          for (ssize_t size = 1; size > 0;)
+          {
+            size = ::read(in, buffer.data(), buffer.size());
+            if (write && size > 0 && ::write(out, buffer.data(), size) != size)
+            {
+              size = -1;
+            }
+          }
+          if (write)
+          {
+            ::fsync(out);
+            ::close(out);
+          }
+          ::close(in);
+        },
+        Clock::Wall));
     std::filesystem::remove(copy);
   }
   return best;

@@ -60,9 +60,8 @@ inline meshcases::MeshCase boxOfBlocks(bsv::Index points, int cells)
     cuts.push_back(n * cells);
   }
   const int size = blocks * cells;
-  return meshcases::cutBox({ size, size, size }, { cuts, cuts, cuts }, [size](const bsv::Vec3& x) {
-    return meshcases::wavy(x * (3.0 / size) - bsv::Vec3::Constant(1.5));
-  });
+  return meshcases::cutBox({ size, size, size }, { cuts, cuts, cuts },
+    [size](const bsv::Vec3& x) { return meshcases::wavy(x * (3.0 / size) - bsv::Vec3::Constant(1.5)); });
 }
 
 } // namespace bsvbench

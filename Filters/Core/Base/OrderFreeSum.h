@@ -12,8 +12,8 @@ namespace bsv
 {
 
 /// Collects weighted points; result() is their sum over a denominator that equals the sum of the weights.
-/// Per coordinate the products are sorted and added with error compensation (Neumaier 1974), so that every numbering and
-/// orientation of the blocks gives the same bits. A coordinate that all points share comes back unchanged.
+/// Per coordinate the products are sorted and added with error compensation (Neumaier 1974), so that every numbering
+/// and orientation of the blocks gives the same bits. A coordinate that all points share comes back unchanged.
 class OrderFreeSum
 {
 public:

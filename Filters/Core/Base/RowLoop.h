@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file RowLoop.h
-/// BSV_ROW_LOOP before a function makes the compiler build it for several vector units, of which the machine's is chosen
-/// when the library is loaded. Results are the same bits for all of them: nothing is reordered or fused.
+/// BSV_ROW_LOOP before a function makes the compiler build it for several vector units, of which the machine's is
+/// chosen when the library is loaded. Results are the same bits for all of them: nothing is reordered or fused.
 ///
 /// For functions that are little but a loop over rows of numbers. Functions called in the loop prevent its vector code.
 #pragma once

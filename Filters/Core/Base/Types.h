@@ -50,13 +50,13 @@ struct Execution
 {
   /// Runs body(begin, end) over a partition of [0, count) into ranges of about `grain`; may run them concurrently.
   using Body = std::function<void(Index begin, Index end)>;
-  std::function<void(Index count, Index grain, const Body& body)> parallelFor =
-    [](Index count, Index, const Body& body) {
-      if (count > 0)
-      {
-        body(0, count);
-      }
-    };
+  std::function<void(Index count, Index grain, const Body& body)> parallelFor = [](Index count, Index,
+                                                                                  const Body& body) {
+    if (count > 0)
+    {
+      body(0, count);
+    }
+  };
 
   /// Told the fraction done in [0, 1], from the calling thread only; returns false to abort.
   std::function<bool(double)> progress = [](double) { return true; };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Body/ClosestPoint.h"
 
+#include "Body/TrimRegion.h"
 #include "Volume/BSplineVolume.h"
 #include "Volume/BezierSegments.h"
-#include "Body/TrimRegion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Body/NURBSSurface.h"
 
-#include "Volume/BSplineVolume.h"
 #include "Body/TrimRegion.h"
+#include "Volume/BSplineVolume.h"
 
 #include <Eigen/Geometry>
 

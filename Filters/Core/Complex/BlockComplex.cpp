@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Complex/BlockComplex.h"
 
-#include "Mesh/BlockSurface.h"
+#include "Base/UnionFind.h"
 #include "Complex/Gluing.h"
+#include "Complex/Splitting.h"
+#include "Mesh/BlockSurface.h"
 #include "Mesh/MeshCheck.h"
 #include "Mesh/SharedEntities.h"
-#include "Complex/Splitting.h"
-#include "Base/UnionFind.h"
 
 #include <Eigen/Geometry>
 
@@ -187,8 +187,7 @@ private:
 
   int piece(int parent, const Ijk& at) const
   {
-    return this->FirstPiece[parent] +
-      at[0] + this->cutCount(parent, 0) * (at[1] + this->cutCount(parent, 1) * at[2]);
+    return this->FirstPiece[parent] + at[0] + this->cutCount(parent, 0) * (at[1] + this->cutCount(parent, 1) * at[2]);
   }
 
   void makePieces()
@@ -239,8 +238,7 @@ private:
   QuadAt quadOf(const FaceUse& use, int s, int t) const
   {
     const ComplexBlock& block = this->Result.blocks[use.block];
-    return { block.parent, use.face, block.offset[faceAxis(use.face, 0)] + s,
-      block.offset[faceAxis(use.face, 1)] + t };
+    return { block.parent, use.face, block.offset[faceAxis(use.face, 0)] + s, block.offset[faceAxis(use.face, 1)] + t };
   }
 
   /// Piece that has a surface quadrilateral.
@@ -304,8 +302,8 @@ private:
       int& slot = this->Result.blocks[side.block].faces[side.face];
       if (slot >= 0)
       {
-        throw Error("faces of " + this->Result.blocks[side.block].name + " and " + block.name +
-          " do not meet one to one");
+        throw Error(
+          "faces of " + this->Result.blocks[side.block].name + " and " + block.name + " do not meet one to one");
       }
       slot = id;
     }
@@ -315,8 +313,7 @@ private:
       const int swap = swapsAxes(result.orientation) ? 1 : 0;
       for (int axis = 0; axis < 2; ++axis)
       {
-        if (block.cells(faceAxis(use.face, axis)) !=
-          this->Result.blocks[b.block].cells(faceAxis(b.face, axis ^ swap)))
+        if (block.cells(faceAxis(use.face, axis)) != this->Result.blocks[b.block].cells(faceAxis(b.face, axis ^ swap)))
         {
           throw Error("faces of " + block.name + " and " + this->Result.blocks[b.block].name + " differ in size");
         }
@@ -644,8 +641,8 @@ private:
       {
         const Ijk last{ block.offset[0] + block.cells(0), block.offset[1] + block.cells(1),
           block.offset[2] + block.cells(2) };
-        block.points = GridView(welded[block.parent], this->Mesh.blocks[block.parent].points.counts())
-                         .box(block.offset, last);
+        block.points =
+          GridView(welded[block.parent], this->Mesh.blocks[block.parent].points.counts()).box(block.offset, last);
       }
     }
   }

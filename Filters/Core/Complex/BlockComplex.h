@@ -4,8 +4,8 @@
 /// that they share.
 #pragma once
 
-#include "Mesh/GridView.h"
 #include "Mesh/BlockMesh.h"
+#include "Mesh/GridView.h"
 
 #include <memory>
 #include <string>

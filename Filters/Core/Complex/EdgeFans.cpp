@@ -21,8 +21,8 @@ int edgeAcross(int face, int edge, const FaceContact& contact)
       break;
     }
   }
-  const std::array<int, 2> from = axis == 0 ? mapFacePoint(contact.orientation, 0, side, 1, 1)
-                                            : mapFacePoint(contact.orientation, side, 0, 1, 1);
+  const std::array<int, 2> from =
+    axis == 0 ? mapFacePoint(contact.orientation, 0, side, 1, 1) : mapFacePoint(contact.orientation, side, 0, 1, 1);
   const int axisB = swapsAxes(contact.orientation) ? 1 - axis : axis;
   return faceEdge(contact.face, axisB, from[1 - axisB]);
 }
@@ -203,9 +203,9 @@ VertexStar vertexStar(const BlockComplex& complex, int vertex)
         [&](const VertexStar::Face& f) { return f.face == face && f.corner == s + 2 * t; });
       if (found == star.faces.end())
       {
-        star.faces.push_back({ face, s + 2 * t,
-          { entry.edges[faceAxis(blockFace, 0)], entry.edges[faceAxis(blockFace, 1)] }, { -1, -1 },
-          pointAt(d != 0, d != 1, d != 2), shared.boundary() });
+        star.faces.push_back(
+          { face, s + 2 * t, { entry.edges[faceAxis(blockFace, 0)], entry.edges[faceAxis(blockFace, 1)] }, { -1, -1 },
+            pointAt(d != 0, d != 1, d != 2), shared.boundary() });
         found = star.faces.end() - 1;
       }
       entry.faces[d] = static_cast<int>(found - star.faces.begin());

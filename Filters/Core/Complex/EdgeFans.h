@@ -26,9 +26,9 @@ struct FanSector
   int block;
   int edge; ///< the block's edge
   bool reversed;
-  int along;     ///< block direction of the edge
-  int first;     ///< block direction along the spoke where the sector starts
-  int second;    ///< block direction along the spoke where it ends
+  int along;  ///< block direction of the edge
+  int first;  ///< block direction along the spoke where the sector starts
+  int second; ///< block direction along the spoke where it ends
 
   /// Mesh point `a` steps down the first spoke and `b` down the second, in layer k counted along the global edge.
   Ijk point(const ComplexBlock& owner, int k, int a, int b) const;
@@ -76,8 +76,8 @@ struct VertexStar
   };
   struct Face
   {
-    int face;               ///< global face
-    int corner;             ///< corner s + 2 t of the face's first use
+    int face;                 ///< global face
+    int corner;               ///< corner s + 2 t of the face's first use
     std::array<int, 2> edges; ///< star edges that span it
     std::array<int, 2> blocks{ -1, -1 };
     Vec3 point;
@@ -103,8 +103,8 @@ struct VertexStar
 
 VertexStar vertexStar(const BlockComplex& complex, int vertex);
 
-/// The outer surface around a boundary vertex: star edges and star faces in cyclic order, face i between edges i and i+1.
-/// Empty where the boundary faces do not form one ring. Where it starts and in which sense it runs is arbitrary.
+/// The outer surface around a boundary vertex: star edges and star faces in cyclic order, face i between edges i and
+/// i+1. Empty where the boundary faces do not form one ring. Where it starts and in which sense it runs is arbitrary.
 struct BoundaryRing
 {
   std::vector<int> edges;

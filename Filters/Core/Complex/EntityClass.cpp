@@ -82,8 +82,7 @@ std::vector<BoundaryStar> boundaryStars(const BlockComplex& complex)
 
 const std::vector<std::string>& entityClassNames()
 {
-  static const std::vector<std::string> names{ "Regular", "Boundary", "Extraordinary", "Singular", "Crease",
-    "Corner" };
+  static const std::vector<std::string> names{ "Regular", "Boundary", "Extraordinary", "Singular", "Crease", "Corner" };
   return names;
 }
 
@@ -126,10 +125,10 @@ EntityClasses classifyEntities(const BlockComplex& complex)
     {
       const BoundaryStar& star = stars[v];
       const bool smooth = star.tags.size() == 1;
-      what = star.creases > 2         ? EntityClass::Corner
-        : star.creases > 0            ? EntityClass::Crease
-        : smooth && star.faces != 4   ? EntityClass::Extraordinary
-                                      : EntityClass::Boundary;
+      what = star.creases > 2       ? EntityClass::Corner
+        : star.creases > 0          ? EntityClass::Crease
+        : smooth && star.faces != 4 ? EntityClass::Extraordinary
+                                    : EntityClass::Boundary;
     }
     else if (!ends[v].empty())
     {

@@ -2,8 +2,8 @@
 #include "Complex/Gluing.h"
 
 #include "Base/BoxTree.h"
-#include "Complex/GluingRanks.h"
 #include "Base/UnionFind.h"
+#include "Complex/GluingRanks.h"
 
 #include <Eigen/Geometry>
 
@@ -670,8 +670,7 @@ private:
     FirstOccurrence first(std::min(this->Points->pointCount(), 4 * static_cast<Index>(quads.size())));
     this->forEachPoint(quads, [&](int block, const Ijk& p, Index point) {
       const Vec3 x = this->Mesh.blocks[block].points(p);
-      this->Class[point] =
-        first.insert(hashOf(x), point, [&](Index other) { return this->pointOf(other) == x; });
+      this->Class[point] = first.insert(hashOf(x), point, [&](Index other) { return this->pointOf(other) == x; });
     });
   }
 
@@ -955,8 +954,7 @@ private:
         const Vec3 x = this->center(at);
         tree.search(Box(x), [&](Index m) {
           if (facing(normal[m], normal[n]) && (cover[n] < 0 || single[m] < cover[n]) &&
-            this->covers(
-              this->Surface.quadAt(single[m], at.block), normal[m], x, std::min(tolerance[n], tolerance[m])))
+            this->covers(this->Surface.quadAt(single[m], at.block), normal[m], x, std::min(tolerance[n], tolerance[m])))
           {
             cover[n] = single[m];
           }
@@ -966,8 +964,8 @@ private:
     constexpr Index PerReport = 64 * Chunk;
     for (Index start = 0; start < count; start += PerReport)
     {
-      this->Run.parallelFor(std::min(PerReport, count - start), Chunk,
-        [&](Index begin, Index end) { search(start + begin, start + end); });
+      this->Run.parallelFor(
+        std::min(PerReport, count - start), Chunk, [&](Index begin, Index end) { search(start + begin, start + end); });
       this->Run.report(0.8 + 0.2 * start / count);
     }
     this->coverByCorners(single, normal, cover);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Complex/GluingRanks.h"
 
-#include "Complex/BlockComplex.h"
 #include "Base/BoxTree.h"
+#include "Complex/BlockComplex.h"
 
 #include <algorithm>
 #include <limits>

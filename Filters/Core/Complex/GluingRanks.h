@@ -3,8 +3,8 @@
 /// What several ranks tell each other when they glue a mesh.
 #pragma once
 
-#include "Mesh/GridView.h"
 #include "Mesh/BlockSurface.h"
+#include "Mesh/GridView.h"
 #include "Mesh/PartialMesh.h"
 
 namespace bsv

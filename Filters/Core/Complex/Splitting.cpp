@@ -60,8 +60,8 @@ void checkCreaseLine(const BlockMesh& mesh, int n)
   }
   if (directions != 1)
   {
-    throw Error(what + ": points " + text(line.from) + " and " + text(line.to) + " of " +
-      blockLabel(mesh, line.block) + " do not differ in exactly one direction");
+    throw Error(what + ": points " + text(line.from) + " and " + text(line.to) + " of " + blockLabel(mesh, line.block) +
+      " do not differ in exactly one direction");
   }
 }
 
@@ -292,8 +292,8 @@ private:
       pieces += inBlock;
       if (pieces > MostPieces)
       {
-        throw Error("contacts and creases cut the mesh into more than " + std::to_string(MostPieces) +
-          " pieces (at " + blockLabel(mesh, b) + ")");
+        throw Error("contacts and creases cut the mesh into more than " + std::to_string(MostPieces) + " pieces (at " +
+          blockLabel(mesh, b) + ")");
       }
     }
     return result;
@@ -574,8 +574,8 @@ CreaseEdges::CreaseEdges(const BlockMesh& mesh, const SurfaceNumbering& surface,
   Search(*this, mesh, contacts, leftHanded, ranks)(creaseAngle);
 }
 
-std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface,
-  const Contacts& contacts, const CreaseEdges& creases, const Execution& run)
+std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
+  const CreaseEdges& creases, const Execution& run)
 {
   return Splitter(surface, contacts, creases)(mesh, run);
 }

@@ -51,7 +51,7 @@ using CutPositions = std::array<std::vector<int>, 3>;
 /// through its whole block and on through the contacts into the neighbours.
 ///
 /// @throws Error for crease lines that are none, and if there are more than a million pieces.
-std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface,
-  const Contacts& contacts, const CreaseEdges& creases, const Execution& run);
+std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
+  const CreaseEdges& creases, const Execution& run);
 
 } // namespace bsv

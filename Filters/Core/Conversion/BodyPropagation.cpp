@@ -5,8 +5,8 @@
 //
 //   net_k <- layerRule(mesh_k) + w(d_k) (bodyNet - layerRule(mesh_0)),   w = max(0, 1 - d / (r h))
 //
-// d is the distance along the block edges that rise from the vertex, h the mean length of the surface's edges there, r the
-// propagation range. Where these edges end sooner, so does w.
+// d is the distance along the block edges that rise from the vertex, h the mean length of the surface's edges there, r
+// the propagation range. Where these edges end sooner, so does w.
 #include "Conversion/Converter.h"
 #include "Ranks/OwnedValues.h"
 
@@ -110,9 +110,8 @@ std::optional<Converter::Link> Converter::measure(Link& link, double distance, d
   const ComplexEdge& edge = this->Complex.edges[link.edge];
   const FanSector& sector = this->Rules.edges[link.edge].fans.front().sectors.front();
   const ComplexBlock& owner = this->Complex.blocks[sector.block];
-  const auto pointAt = [&](int k) {
-    return owner.points(sector.point(owner, link.end == 0 ? k : edge.cells - k, 0, 0));
-  };
+  const auto pointAt = [&](
+                         int k) { return owner.points(sector.point(owner, link.end == 0 ? k : edge.cells - k, 0, 0)); };
   link.distances.assign(edge.cells + 1, 0.0);
   for (int k = 0; k <= edge.cells; ++k)
   {
@@ -195,9 +194,7 @@ void Converter::propagateFeet()
   }
   const auto starts = gatherListsFromOwners<double>(
     *this->Run.ranks, vertices.size(),
-    [&](std::size_t i) {
-      return this->Complex.blocks[this->Complex.vertices[vertices[i]].corners.front().block].rank;
-    },
+    [&](std::size_t i) { return this->Complex.blocks[this->Complex.vertices[vertices[i]].corners.front().block].rank; },
     [&](std::size_t i) {
       Numbers numbers;
       if (const auto first = this->firstLink(vertices[i]))

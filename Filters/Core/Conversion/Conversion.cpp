@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/Conversion.h"
 
-#include "Mesh/BlockSurface.h"
 #include "Conversion/Converter.h"
+#include "Mesh/BlockSurface.h"
 
 #include <algorithm>
 #include <cstring>
@@ -172,8 +172,8 @@ void Converter::convertFace(int face)
     }
     const double near = this->Layer.weight(side.use.block, side.use.face, at);
     const bool regular = near == KnotInsertion && !wall;
-    side.write(s, t, 1, insertMask(own, above, near),
-      regular ? ControlPointRule::Regular : layerRule(faceRule.connection));
+    side.write(
+      s, t, 1, insertMask(own, above, near), regular ? ControlPointRule::Regular : layerRule(faceRule.connection));
   };
   for (int t = 1; t < nt; ++t)
   {

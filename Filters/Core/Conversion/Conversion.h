@@ -31,7 +31,7 @@ enum class PlanarSides : std::uint8_t
   /// extension is attached (FarField.h). A side of the boundary ends at sharp edges; the whole mesh lies behind it, and
   /// it borders on planar sides only.
   FarField,
-  All,      ///< every planar block side but the body's, inner ones too (these joins are then C0 only)
+  All, ///< every planar block side but the body's, inner ones too (these joins are then C0 only)
   None
 };
 
@@ -41,8 +41,8 @@ enum class Twist : std::uint8_t
   SecondFundamentalForm, ///< from the curvature of the layer or surface
   Parallelogram,         ///< fourth point of a parallelogram
   Mask,                  ///< mask 4/9 2/9 2/9 1/9 of the mesh points
-  /// At body vertices the parallelogram plus x_uv / 9 of the given surface (5.39)-(5.41), elsewhere the parallelogram: the
-  /// source's rule, to reproduce it. It depends on the surface's parametrisation. Needs ConversionOptions::body.
+  /// At body vertices the parallelogram plus x_uv / 9 of the given surface (5.39)-(5.41), elsewhere the parallelogram:
+  /// the source's rule, to reproduce it. It depends on the surface's parametrisation. Needs ConversionOptions::body.
   Literal
 };
 
@@ -83,15 +83,15 @@ struct ConversionOptions
   /// are found through it. Empty: the extension is recognised (FarField.h).
   std::vector<bool> extensionBlocks;
   /// How far what the rules of the outer surface changed is carried into the layers, which would fold otherwise: above
-  /// creases as a multiple of the depth by which the smooth rule would round them (CreaseColumns.h), above extraordinary
-  /// body vertices in local edge lengths (BodyPropagation.cpp). At least 0, 0 is off.
+  /// creases as a multiple of the depth by which the smooth rule would round them (CreaseColumns.h), above
+  /// extraordinary body vertices in local edge lengths (BodyPropagation.cpp). At least 0, 0 is off.
   double propagationRange = 8.0;
   /// The body, or null. Its closest points to the limit points of extraordinary body vertices, with normal and second
   /// fundamental form, take the place of what is estimated from the mesh.
   const BodySurface* body = nullptr;
   /// Per block of the mesh (not of the complex): given projection point and unit normal of every mesh point, three
-  /// doubles each, i fastest, or null. NaN marks points without a value. Used at extraordinary body vertices only, where
-  /// they have precedence over `body`.
+  /// doubles each, i fastest, or null. NaN marks points without a value. Used at extraordinary body vertices only,
+  /// where they have precedence over `body`.
   std::vector<const double*> projectedPoints;
   std::vector<const double*> surfaceNormals;
   /// Compute only control points on faces, edges and vertices that touch blocks at the wall, and leave all others as

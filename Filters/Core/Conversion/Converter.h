@@ -11,12 +11,12 @@
 /// - BodyPropagation.cpp: what known points of the body change in the layers above.
 #pragma once
 
-#include "Conversion/Conversion.h"
 #include "Complex/EdgeFans.h"
+#include "Complex/LocalStars.h"
+#include "Conversion/Conversion.h"
 #include "Conversion/EntityRules.h"
 #include "Conversion/FirstLayer.h"
 #include "Conversion/LayerRules.h"
-#include "Complex/LocalStars.h"
 
 #include <algorithm>
 #include <array>
@@ -42,9 +42,8 @@ constexpr int innerPosition(int meshIndex)
 }
 ///@}
 
-/// Each method computes the control points owned by one kind of entity and writes them into all blocks of this rank that
-/// share it. Other ranks do the same for theirs.
-/// Different entities may be converted at the same time.
+/// Each method computes the control points owned by one kind of entity and writes them into all blocks of this rank
+/// that share it. Other ranks do the same for theirs. Different entities may be converted at the same time.
 class Converter
 {
 public:
@@ -130,8 +129,8 @@ private:
   Fan smoothSurfaceFan(Star& star, const Fan& fan, const std::vector<double>& weights,
     const std::vector<SpokeKeep>& keeps, bool body) const;
   bool bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const;
-  /// The foot of the centre of `points` on the body's patch whose normal is nearest to that of `size` sectors of `points`
-  /// from `first` on.
+  /// The foot of the centre of `points` on the body's patch whose normal is nearest to that of `size` sectors of
+  /// `points` from `first` on.
   bool sectorFoot(const Fan& points, int first, int size, BodyFoot& foot) const;
   /// Fills GivenPoints and GivenNormals.
   void collectGiven();

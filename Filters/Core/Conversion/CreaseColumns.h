@@ -17,9 +17,8 @@
 namespace bsv
 {
 
-/// Fills FaceRule::keep of every face that rises from a crease between two blocks, and of those that continue it through
-/// regular edges, until the weight has faded out.
-/// Collective; each rank fills in what it knows the points of.
+/// Fills FaceRule::keep of every face that rises from a crease between two blocks, and of those that continue it
+/// through regular edges, until the weight has faded out. Collective; each rank fills in what it knows the points of.
 /// @param complex that of LocalStars. @param range r, a multiple of the depth of the rounding; 0 turns it off.
 void markCreaseColumns(const BlockComplex& complex, double range, EntityRules& rules, const Ranks& ranks);
 

@@ -62,10 +62,8 @@ void Converter::adjustSectors(Fan& points, const EdgeFan& fan, int k) const
     const FanSector& sector = fan.sectors[i];
     const ComplexBlock& owner = this->Complex.blocks[sector.block];
     const Ijk center = sector.point(owner, k, 0, 0);
-    const double first =
-      this->layerRatio(sector.block, sector.spokeFace(0), sector.point(owner, k, 1, 0), center);
-    const double second =
-      this->layerRatio(sector.block, sector.spokeFace(1), sector.point(owner, k, 0, 1), center);
+    const double first = this->layerRatio(sector.block, sector.spokeFace(0), sector.point(owner, k, 1, 0), center);
+    const double second = this->layerRatio(sector.block, sector.spokeFace(1), sector.point(owner, k, 0, 1), center);
     const Vec3 point = points.sectors[i];
     const Vec3 offsets[2] = { (first - 1.0) * (point - points.spokes[i]),
       (second - 1.0) * (point - points.spokes[points.nextSpoke(i)]) };
@@ -79,9 +77,8 @@ void Converter::adjustSectors(Fan& points, const EdgeFan& fan, int k) const
 double Converter::keepAt(int block, int face, const Ijk& point) const
 {
   const std::vector<double>& keep = this->Rules.faces[this->Complex.blocks[block].faces[face]].keep;
-  return keep.empty()
-    ? 0.0
-    : keep[keepIndex(this->Complex, block, face, point[faceAxis(face, 0)], point[faceAxis(face, 1)])];
+  return keep.empty() ? 0.0
+                      : keep[keepIndex(this->Complex, block, face, point[faceAxis(face, 0)], point[faceAxis(face, 1)])];
 }
 
 std::vector<SpokeKeep> Converter::spokeKeeps(const EdgeFan& fan, int k) const

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/EntityRules.h"
 
-#include "Conversion/CreaseColumns.h"
 #include "Complex/FacePoints.h"
+#include "Conversion/CreaseColumns.h"
 #include "Ranks/OwnedValues.h"
 
 #include <Eigen/Eigenvalues>
@@ -122,7 +122,8 @@ std::vector<Plane> fitPlanes(
   using Numbers9 = std::array<double, 9>;
   std::vector<Eigen::Matrix3d> variances(sides.size(), Eigen::Matrix3d::Zero());
   reduce(
-    Numbers9{}, [&](Numbers9& sum, int side, const Vec3& x) {
+    Numbers9{},
+    [&](Numbers9& sum, int side, const Vec3& x) {
       const Vec3 offset = (x - planes[side].origin) / planes[side].diagonal;
       Eigen::Map<Eigen::Matrix3d>(sum.data()) += offset * offset.transpose();
     },
@@ -134,7 +135,8 @@ std::vector<Plane> fitPlanes(
 
   const auto enlarge = [](double& deviation, double other) { deviation = std::max(deviation, other); };
   reduce(
-    0.0, [&](double& deviation, int side, const Vec3& x) {
+    0.0,
+    [&](double& deviation, int side, const Vec3& x) {
       enlarge(deviation, std::abs(planes[side].normal.dot(x - planes[side].origin)));
     },
     [&](int side, double deviation) { enlarge(planes[side].deviation, deviation); });
@@ -213,10 +215,10 @@ std::vector<double> turningAngles(
 
 /// Planar side of every face, or -1: the far field.
 ///
-/// A side is all faces that continue each other without a sharp edge; a small piece of a curved boundary may be flat, but
-/// is no planar side. A planar side keeps its points only if the whole mesh lies behind it (else it belongs to a body
-/// inside) and if it borders on planar sides alone: next to a curved one, whose border is smoothed, kept points would
-/// fold thin layers.
+/// A side is all faces that continue each other without a sharp edge; a small piece of a curved boundary may be flat,
+/// but is no planar side. A planar side keeps its points only if the whole mesh lies behind it (else it belongs to a
+/// body inside) and if it borders on planar sides alone: next to a curved one, whose border is smoothed, kept points
+/// would fold thin layers.
 std::vector<int> planarBoundaryFaces(
   const BlockComplex& complex, const EntityRules& rules, double tolerance, const Ranks& ranks)
 {
@@ -319,8 +321,7 @@ std::vector<int> planarBoundaryFaces(
   return planar;
 }
 
-EdgeRule edgeRule(
-  const BlockComplex& complex, const std::vector<FaceRule>& faces, int edge, std::vector<EdgeFan> fans)
+EdgeRule edgeRule(const BlockComplex& complex, const std::vector<FaceRule>& faces, int edge, std::vector<EdgeFan> fans)
 {
   EdgeRule result;
   result.fans = std::move(fans);
@@ -334,8 +335,8 @@ EdgeRule edgeRule(
       planar = planar || faces[fan.faceOf(complex, i)].planar();
     }
     result.anchored = planar || fan.sectors.size() < 3 || result.fans.size() > 1;
-    result.rule = planar ? ControlPointRule::PlanarSide
-      : result.anchored  ? ControlPointRule::Corner
+    result.rule = planar       ? ControlPointRule::PlanarSide
+      : result.anchored        ? ControlPointRule::Corner
       : shared.extraordinary() ? ControlPointRule::ExtraordinaryEdge
                                : ControlPointRule::Regular;
     return result;

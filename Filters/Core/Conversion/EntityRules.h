@@ -3,10 +3,10 @@
 /// Which rule each face and edge of the complex follows. Decided once per global entity, never per block side.
 #pragma once
 
-#include "Conversion/Conversion.h"
 #include "Complex/EdgeFans.h"
-#include "Conversion/FarField.h"
 #include "Complex/LocalStars.h"
+#include "Conversion/Conversion.h"
+#include "Conversion/FarField.h"
 
 #include <vector>
 

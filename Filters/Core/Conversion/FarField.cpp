@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/FarField.h"
 
-#include "Complex/FacePoints.h"
 #include "Base/OrderFreeSum.h"
+#include "Complex/FacePoints.h"
 #include "Ranks/OwnedValues.h"
 
 #include <Eigen/Geometry>
@@ -367,9 +367,8 @@ private:
         {
           if (this->Complex.blocks[body.block].rank == this->Processes.rank())
           {
-            forFacePoints(this->Complex, body, [&](const Vec3& x) {
-              touches[i] = touches[i] || !(cuts[i].plane.height(x) < -this->Tolerance);
-            });
+            forFacePoints(this->Complex, body,
+              [&](const Vec3& x) { touches[i] = touches[i] || !(cuts[i].plane.height(x) < -this->Tolerance); });
           }
         }
       }
@@ -572,8 +571,7 @@ private:
       result.push_back(std::move(side));
     }
     std::sort(result.begin(), result.end(), [](const FarFieldSide& a, const FarFieldSide& b) {
-      return std::lexicographical_compare(
-        a.normal.data(), a.normal.data() + 3, b.normal.data(), b.normal.data() + 3);
+      return std::lexicographical_compare(a.normal.data(), a.normal.data() + 3, b.normal.data(), b.normal.data() + 3);
     });
     return result;
   }
@@ -610,9 +608,8 @@ private:
 
 BoundaryRole roleOf(const ConversionOptions& options, const ComplexFace& face)
 {
-  return face.boundary() && face.tag >= 0 && face.tag < static_cast<int>(options.roles.size())
-    ? options.roles[face.tag]
-    : BoundaryRole::Other;
+  return face.boundary() && face.tag >= 0 && face.tag < static_cast<int>(options.roles.size()) ? options.roles[face.tag]
+                                                                                               : BoundaryRole::Other;
 }
 
 std::vector<FarFieldSide> farFieldSides(

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/FirstLayer.h"
 
-#include "Mesh/BlockSurface.h"
-#include "Complex/EdgeFans.h"
 #include "Base/OrderFreeSum.h"
+#include "Complex/EdgeFans.h"
+#include "Mesh/BlockSurface.h"
 #include "Ranks/OwnedValues.h"
 
 #include <algorithm>
@@ -389,9 +389,8 @@ void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, cons
       const FaceLines lines(this->Complex, side.inner[i]);
       if (side.onCuboid[i] && lines.isHere())
       {
-        lines.forAll([&](int s, int t) {
-          distances.add(lines.point(s, t, 0), lastDistance(side.inner[i], s, t, side.normal));
-        });
+        lines.forAll(
+          [&](int s, int t) { distances.add(lines.point(s, t, 0), lastDistance(side.inner[i], s, t, side.normal)); });
       }
     }
   });

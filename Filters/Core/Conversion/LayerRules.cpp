@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/LayerRules.h"
 
-#include "Conversion/LimitMasks.h"
 #include "Base/OrderFreeSum.h"
+#include "Conversion/LimitMasks.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
@@ -135,8 +135,7 @@ std::array<FanMask, 3> quadraticFit(const RegularFan& fan)
     const Eigen::Vector2d& x = i < spokes ? fan.spokes[i] : fan.sectors[i - spokes];
     matrix.row(i) << x[0], x[1], 0.5 * x[0] * x[0], x[0] * x[1], 0.5 * x[1] * x[1];
   }
-  const Eigen::MatrixXd inverse =
-    matrix.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(rows, rows));
+  const Eigen::MatrixXd inverse = matrix.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(rows, rows));
   std::array<FanMask, 3> masks{ zeroMask(fan), zeroMask(fan), zeroMask(fan) };
   for (int m = 0; m < 3; ++m)
   {
@@ -444,8 +443,7 @@ CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const st
       // Both groups at a feature see the same one-dimensional rule.
       const int at = (first + i) % n;
       const bool feature = !group.closed && (i == 0 || i == size);
-      result.points.spokes[at] =
-        feature ? insertMask(fan.center, fan.spokes[at], nearWeight[at]) : values.spokes[i];
+      result.points.spokes[at] = feature ? insertMask(fan.center, fan.spokes[at], nearWeight[at]) : values.spokes[i];
     }
     for (int i = 0; i < size; ++i)
     {
@@ -462,8 +460,7 @@ bool keptLinesMeet(bool closed, const std::vector<bool>& kept)
   return closed && lines > 1 && !inLine;
 }
 
-Fan fadedFan(
-  const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps)
+Fan fadedFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps)
 {
   Fan result = smoothFan(fan, twist, nearWeight);
   const int n = fan.sectorCount();
@@ -505,8 +502,7 @@ Fan fadedFan(
   }
   else if (meet)
   {
-    const Fan creased =
-      creasedFan(fan, sharp, kept, std::vector<bool>(n, false), twist, nearWeight, keeps).points;
+    const Fan creased = creasedFan(fan, sharp, kept, std::vector<bool>(n, false), twist, nearWeight, keeps).points;
     const auto blend = [&](Vec3& smooth, const Vec3& target) { smooth += keep * (target - smooth); };
     blend(result.center, creased.center);
     for (int i = 0; i < n; ++i)

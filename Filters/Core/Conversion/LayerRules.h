@@ -4,12 +4,12 @@
 ///
 /// A *fan* is the centre, its spokes (next points along the edges) and its sectors (opposite corners of the
 /// quadrilaterals; sector i lies between spokes i and i+1). A closed fan of n sectors has n spokes, an open one n + 1.
-/// A rule turns the fan into control points: the centre, one inserted point along every spoke, one inserted point inside
-/// every sector.
+/// A rule turns the fan into control points: the centre, one inserted point along every spoke, one inserted point
+/// inside every sector.
 #pragma once
 
-#include "Conversion/Conversion.h"
 #include "Base/Types.h"
+#include "Conversion/Conversion.h"
 
 #include <vector>
 
@@ -35,7 +35,8 @@ struct Fan
 /// - centre: the limit point (n^2 p + 4 sum e + sum f) / (n (n + 5)) (3.31);
 /// - spoke i: b_i = P + a_i, a_i = mu T_i, where T_i is the Catmull-Clark limit tangent along spoke i, scaled to be the
 ///   spoke itself on the affine regular fan with f_i = e_i + e_(i+1), and mu = (1 + cos(2 pi / n) / 3) / 3;
-/// - sector: P + x_n (a_i + a_(i+1)) + S(a_i, a_(i+1)), x_n = (6 + g) / (3 (2 + g)), g = 2 cos(2 pi / n), where S is the
+/// - sector: P + x_n (a_i + a_(i+1)) + S(a_i, a_(i+1)), x_n = (6 + g) / (3 (2 + g)), g = 2 cos(2 pi / n), where S is
+/// the
 ///   vector-valued symmetric bilinear form of the quadratic that fits the fan best (least squares over the affine
 ///   regular fan): the second fundamental form estimated on the layer.
 /// The fan of four is the tensor product of the masks [1/6 2/3 1/6] and [2/3 1/3]; there the general formulas give the
@@ -72,12 +73,12 @@ struct CreasedFan
   bool crease = false;
 };
 
-/// Whether kept spokes are more than one line across a regular fan: fadedFan() then blends the whole fan, and no point of
-/// it is regular.
+/// Whether kept spokes are more than one line across a regular fan: fadedFan() then blends the whole fan, and no point
+/// of it is regular.
 bool keptLinesMeet(bool closed, const std::vector<bool>& keptSpokes);
 
-/// Rule for a closed fan that `features` (spokes, ascending, at least one) cut into groups of sectors. Two features with
-/// two sectors or more on both sides are a crease: the centre and the points along the features follow the
+/// Rule for a closed fan that `features` (spokes, ascending, at least one) cut into groups of sectors. Two features
+/// with two sectors or more on both sides are a crease: the centre and the points along the features follow the
 /// one-dimensional rule, the groups are smooth open fans. All else is a corner (one sector between two smooth features
 /// would have a Jacobian of 0). Groups in which `planarSectors` is set, and all at corners, are anchored; `keptSpokes`
 /// keep their points there one step down; `keeps` as in fadedFan, for the spokes between the features.
@@ -87,8 +88,7 @@ CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const st
 
 /// smoothFan, fading into creasedFan along spokes that keep their points. In regular fans the mask across such spokes
 /// becomes fadedMask point by point, so that the rule along them stays as smooth as it was.
-Fan fadedFan(
-  const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps);
+Fan fadedFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight, const std::vector<SpokeKeep>& keeps);
 
 /// What is known of the body at an extraordinary vertex.
 struct BodyFoot
@@ -110,17 +110,17 @@ struct BodyFoot
 /// similarities.
 Fan projectedFan(const Fan& fan, const BodyFoot& foot, Twist twist);
 
-/// The same for a smooth group of a creased fan, `points`: its sectors first..first + size - 1 between two features. Only
-/// the side of the surface that the group lies on counts, each side of a crease has its own foot. Centre and spokes of the
-/// features stay; spokes between them are projected onto the tangent plane. `foot` must have a curvature.
+/// The same for a smooth group of a creased fan, `points`: its sectors first..first + size - 1 between two features.
+/// Only the side of the surface that the group lies on counts, each side of a crease has its own foot. Centre and
+/// spokes of the features stay; spokes between them are projected onto the tangent plane. `foot` must have a curvature.
 void projectGroup(Fan& points, int first, int size, const BodyFoot& foot, Twist twist);
 
 /// Unit normal of the Catmull-Clark limit surface at the centre of a closed smooth fan (4.18), zero where the limit
 /// tangents are parallel. Its sign follows the sense of the fan.
 Vec3 limitNormal(const Fan& fan);
 
-/// Interpolation between the 2^n corners of a box at the point whose weight of side 0 is `nearWeight[d]` in direction d;
-/// corner index has bit d set for side 1. The bits do not depend on the order of the directions.
+/// Interpolation between the 2^n corners of a box at the point whose weight of side 0 is `nearWeight[d]` in direction
+/// d; corner index has bit d set for side 1. The bits do not depend on the order of the directions.
 Vec3 multilinear(const Vec3* corners, const double* nearWeight, int n);
 
 /// [1/6 2/3 1/6]: (a + 4 p + b) / 6.

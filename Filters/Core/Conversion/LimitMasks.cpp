@@ -87,10 +87,10 @@ LimitMasks compute(int edges, int faces, Sdc::Crease::Rule rule)
   return masks;
 }
 
-/// Tangent across a crease with three sectors or more: the left eigenvector of the fan's subdivision matrix that belongs
-/// to the mode sin(i pi / n), eigenvalue (5 + c + sqrt((1 + c) (9 + c))) / 16 with c = cos(pi / n).
-/// OpenSubdiv's own mask is that of Biermann, Levin and Zorin, whose subdivision rules near creases it does not use: the
-/// normals of the two differ by several degrees.
+/// Tangent across a crease with three sectors or more: the left eigenvector of the fan's subdivision matrix that
+/// belongs to the mode sin(i pi / n), eigenvalue (5 + c + sqrt((1 + c) (9 + c))) / 16 with c = cos(pi / n).
+/// OpenSubdiv's own mask is that of Biermann, Levin and Zorin, whose subdivision rules near creases it does not use:
+/// the normals of the two differ by several degrees.
 FanMask tangentAcrossCrease(int sectors)
 {
   const int spokes = sectors + 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file LimitMasks.h
 /// Limit position and tangents of Catmull-Clark surfaces at a vertex, as weights of the points around it.
-/// The masks are OpenSubdiv's (Sdc::Scheme), but for one that its own refinement contradicts; this is the only place that
-/// includes it.
+/// The masks are OpenSubdiv's (Sdc::Scheme), but for one that its own refinement contradicts; this is the only place
+/// that includes it.
 #pragma once
 
 #include <vector>

@@ -198,8 +198,7 @@ void Converter::collectGiven()
   }
   const auto collect = [&](const std::vector<const double*>& arrays, std::map<int, Vec3>& result) {
     const auto values = gatherFromOwners<std::array<double, 3>>(
-      *this->Run.ranks, copies.size(),
-      [&](std::size_t i) { return this->Complex.blocks[copies[i].corner.block].rank; },
+      *this->Run.ranks, copies.size(), [&](std::size_t i) { return this->Complex.blocks[copies[i].corner.block].rank; },
       [&](std::size_t i) {
         const ComplexBlock& owner = this->Complex.blocks[copies[i].corner.block];
         const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
@@ -212,8 +211,8 @@ void Converter::collectGiven()
         Index at = 0;
         for (int d = 0; d < 3; ++d)
         {
-          at += owner.points.stride(d) *
-            (owner.offset[d] + (cornerSide(copies[i].corner.corner, d) ? owner.cells(d) : 0));
+          at +=
+            owner.points.stride(d) * (owner.offset[d] + (cornerSide(copies[i].corner.corner, d) ? owner.cells(d) : 0));
         }
         return std::array<double, 3>{ array[3 * at], array[3 * at + 1], array[3 * at + 2] };
       });
@@ -224,8 +223,7 @@ void Converter::collectGiven()
       const auto found = result.find(copies[i].vertex);
       if (given.allFinite() &&
         (found == result.end() ||
-          std::lexicographical_compare(
-            given.data(), given.data() + 3, found->second.data(), found->second.data() + 3)))
+          std::lexicographical_compare(given.data(), given.data() + 3, found->second.data(), found->second.data() + 3)))
       {
         result[copies[i].vertex] = given;
       }

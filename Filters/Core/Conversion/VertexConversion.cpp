@@ -338,8 +338,7 @@ Converter::StackAxes Converter::stackAxes(const Star& star) const
   for (int e = 0; e < edges && axes.up < 0; ++e)
   {
     const Star::EdgeInfo& info = star.info[e];
-    if (star.boundary && !star.edges[e].boundary && info.whole &&
-      static_cast<int>(info.sectors.size()) == blocks)
+    if (star.boundary && !star.edges[e].boundary && info.whole && static_cast<int>(info.sectors.size()) == blocks)
     {
       axes.up = e;
     }
@@ -615,15 +614,13 @@ void Converter::writeStar(const Star& star) const
           break;
         case 1:
         case 2:
-        case 4:
-        {
+        case 4: {
           const int edge = entry.edges[inserted / 2];
           point = star.edgePoints[edge];
           rule = star.edgeRules[edge];
           break;
         }
-        default:
-        {
+        default: {
           const int face = entry.faces[inserted == 6 ? 0 : inserted == 5 ? 1 : 2];
           point = star.facePoints[face];
           rule = star.faceRules[face];

@@ -3,8 +3,8 @@
 /// A file that appears complete or not at all.
 #pragma once
 
-#include "Ranks/Ranks.h"
 #include "Base/Types.h"
+#include "Ranks/Ranks.h"
 
 #include <string>
 #include <vector>

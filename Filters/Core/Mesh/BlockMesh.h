@@ -4,8 +4,8 @@
 /// and creases. All of it but the points is optional.
 #pragma once
 
-#include "Mesh/BlockTopology.h"
 #include "Base/Types.h"
+#include "Mesh/BlockTopology.h"
 #include "Mesh/GridView.h"
 
 #include <string>

@@ -18,22 +18,40 @@ namespace bsv
 /// Position of a mesh point, or of a cell, in a block.
 using Ijk = std::array<int, 3>;
 
-constexpr int faceDirection(int face) { return face / 2; }
-constexpr int faceSide(int face) { return face % 2; }
+constexpr int faceDirection(int face)
+{
+  return face / 2;
+}
+constexpr int faceSide(int face)
+{
+  return face % 2;
+}
 /// Direction of the block in which the first (axis = 0) or second (axis = 1) face axis runs.
 constexpr int faceAxis(int face, int axis)
 {
   return axis == 0 ? (face / 2 == 0 ? 1 : 0) : (face / 2 == 2 ? 1 : 2);
 }
 
-constexpr int edgeDirection(int edge) { return edge / 4; }
+constexpr int edgeDirection(int edge)
+{
+  return edge / 4;
+}
 /// The two directions across an edge, ascending, are those of faceAxis(2 * edgeDirection(edge), 0 and 1);
 /// an edge sits at side edgeSide(edge, 0 and 1) of them.
-constexpr int edgeSide(int edge, int axis) { return (edge % 4) >> axis & 1; }
+constexpr int edgeSide(int edge, int axis)
+{
+  return (edge % 4) >> axis & 1;
+}
 /// Edge that runs in `direction` at the sides a, b of the two other directions, ascending.
-constexpr int edgeIndex(int direction, int a, int b) { return 4 * direction + a + 2 * b; }
+constexpr int edgeIndex(int direction, int a, int b)
+{
+  return 4 * direction + a + 2 * b;
+}
 
-constexpr int cornerSide(int corner, int direction) { return corner >> direction & 1; }
+constexpr int cornerSide(int corner, int direction)
+{
+  return corner >> direction & 1;
+}
 /// Corner at the start (end = 0) or end (end = 1) of an edge.
 constexpr int edgeCorner(int edge, int end)
 {
@@ -54,9 +72,15 @@ constexpr int faceEdge(int face, int axis, int side)
   return normal < other ? edgeIndex(along, faceSide(face), side) : edgeIndex(along, side, faceSide(face));
 }
 
-constexpr bool swapsAxes(int orientation) { return (orientation & 1) != 0; }
+constexpr bool swapsAxes(int orientation)
+{
+  return (orientation & 1) != 0;
+}
 /// Code of the same contact seen from B.
-constexpr int inverseOrientation(int o) { return swapsAxes(o) ? (o & 1) | (o & 2) << 1 | (o & 4) >> 1 : o; }
+constexpr int inverseOrientation(int o)
+{
+  return swapsAxes(o) ? (o & 1) | (o & 2) << 1 | (o & 4) >> 1 : o;
+}
 
 /// Maps (s, t) of face A, in a contact patch of ns x nt steps, to (s, t) of face B, both relative to the
 /// lowest corner of the patch on either side.
@@ -80,8 +104,7 @@ inline std::array<int, 3> cgnsTransform(int faceA, int faceB, int orientation)
     const bool reversed = (orientation & (axisB == 0 ? 2 : 4)) != 0;
     transform[faceAxis(faceA, axis)] = (reversed ? -1 : 1) * (faceAxis(faceB, axisB) + 1);
   }
-  transform[faceDirection(faceA)] =
-    (faceSide(faceA) != faceSide(faceB) ? 1 : -1) * (faceDirection(faceB) + 1);
+  transform[faceDirection(faceA)] = (faceSide(faceA) != faceSide(faceB) ? 1 : -1) * (faceDirection(faceB) + 1);
   return transform;
 }
 

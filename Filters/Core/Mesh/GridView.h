@@ -151,10 +151,7 @@ public:
   }
 
 private:
-  Index offset(int i, int j, int k) const
-  {
-    return i * this->Strides[0] + j * this->Strides[1] + k * this->Strides[2];
-  }
+  Index offset(int i, int j, int k) const { return i * this->Strides[0] + j * this->Strides[1] + k * this->Strides[2]; }
   /// Address of a fetched point, or null.
   const double* fetched(Index offset) const;
   Vec3 remote(Index offset) const;

@@ -148,8 +148,7 @@ private:
       const int ej = edgeIndex(1, c & 1, c >> 2);
       const int ek = edgeIndex(2, c & 1, c >> 1 & 1);
       const double jacobian = edge[ei].cross(edge[ej]).dot(edge[ek]);
-      const bool zero =
-        jacobian * jacobian <= FlatSquared * lengthSquared[ei] * lengthSquared[ej] * lengthSquared[ek];
+      const bool zero = jacobian * jacobian <= FlatSquared * lengthSquared[ei] * lengthSquared[ej] * lengthSquared[ek];
       positive += !zero && jacobian > 0.0;
       negative += !zero && jacobian < 0.0;
       found.volume += jacobian;

@@ -3,8 +3,8 @@
 /// First look at a block mesh: sizes, finite points, zero extent, handedness and tangled cells.
 #pragma once
 
-#include "Mesh/GridView.h"
 #include "Mesh/BlockMesh.h"
+#include "Mesh/GridView.h"
 
 #include <vector>
 
@@ -34,8 +34,8 @@ struct MeshCheck
 /// @throws Error that names the first block and point or cell.
 MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution& run);
 
-/// Smallest scaled Jacobian of a right-handed block, -1 to 1: over all corners of all cells, the determinant of the three
-/// edges there divided by their lengths; edges of no length count as -1.
+/// Smallest scaled Jacobian of a right-handed block, -1 to 1: over all corners of all cells, the determinant of the
+/// three edges there divided by their lengths; edges of no length count as -1.
 double minimumScaledJacobian(const GridView& points, const Execution& run = {});
 
 } // namespace bsv

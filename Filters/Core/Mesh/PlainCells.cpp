@@ -93,8 +93,8 @@ BSV_ROW_LOOP void takeLengths(const double* a, const double* b, const double* c,
 }
 
 /// Whether cells so far were all positive or all negative (1 or 0), and their volume: not a number if a coordinate is
-/// not. The longest edge stands for the three at a corner; it makes the bound infinite if a coordinate is. The factors 2
-/// are for rounding, for the same may be computed in other ways elsewhere.
+/// not. The longest edge stands for the three at a corner; it makes the bound infinite if a coordinate is. The factors
+/// 2 are for rounding, for the same may be computed in other ways elsewhere.
 BSV_ROW_LOOP void conclude(const double* lowest, const double* highest, const double* sum, const double* shortest,
   double* __restrict longest, int cells, double zeroLengthSquared, double* __restrict positive,
   double* __restrict negative, double* __restrict volume)
@@ -169,14 +169,14 @@ PlainCells check(const GridView& points, int begin, int end, double zeroLengthSq
       for (int side = 0; side < 4; ++side)
       {
         const int cj = side & 1, ck = side >> 1;
-        takeCorners(edge(0, cj, ck), edge(1, 0, ck), edge(2, 0, cj), cells, size, lowest.data(), highest.data(),
-          sum.data());
+        takeCorners(
+          edge(0, cj, ck), edge(1, 0, ck), edge(2, 0, cj), cells, size, lowest.data(), highest.data(), sum.data());
       }
       for (int d = 0; d < 3; ++d)
       {
         const std::ptrdiff_t lengths = 3 * std::ptrdiff_t(size);
-        takeLengths(edge(d, 0, 0) + lengths, edge(d, 1, 0) + lengths, edge(d, 0, 1) + lengths,
-          edge(d, 1, 1) + lengths, cells, shortest.data(), longest.data());
+        takeLengths(edge(d, 0, 0) + lengths, edge(d, 1, 0) + lengths, edge(d, 0, 1) + lengths, edge(d, 1, 1) + lengths,
+          cells, shortest.data(), longest.data());
       }
       conclude(lowest.data(), highest.data(), sum.data(), shortest.data(), longest.data(), cells, zeroLengthSquared,
         positive.data(), negative.data(), volume.data());

@@ -14,8 +14,8 @@ constexpr double FlatSquared = 1e-24;
 
 struct PlainCells
 {
-  /// +1 or -1: all points are finite, no edge is as short as asked, and all corner Jacobians of all cells have this sign
-  /// by a margin of more than FlatSquared. 0: this does not hold, or holds too narrowly for this quick look.
+  /// +1 or -1: all points are finite, no edge is as short as asked, and all corner Jacobians of all cells have this
+  /// sign by a margin of more than FlatSquared. 0: this does not hold, or holds too narrowly for this quick look.
   int sign = 0;
   /// Sum of all corner Jacobians, eight times the volume; only if all cells are plain.
   double volume = 0.0;

@@ -3,9 +3,9 @@
 /// Points of blocks that are on other ranks.
 #pragma once
 
-#include "Ranks/Ranks.h"
 #include "Base/Types.h"
 #include "Mesh/GridView.h"
+#include "Ranks/Ranks.h"
 
 #include <array>
 #include <functional>

@@ -25,8 +25,8 @@ bool atBoundary(const SharedEntities& all, int block, int edge)
 
 } // namespace
 
-SharedEntities sharedEntities(int blocks, const std::vector<Interface>& interfaces,
-  const std::function<std::string(int block)>& blockName)
+SharedEntities sharedEntities(
+  int blocks, const std::vector<Interface>& interfaces, const std::function<std::string(int block)>& blockName)
 {
   UnionFind corners(8 * Index(blocks));
   // Item 2 e is edge e in its own direction, 2 e + 1 the same edge reversed.

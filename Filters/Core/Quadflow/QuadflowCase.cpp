@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quadflow/QuadflowCase.h"
 
-#include "Volume/ControlPointRule.h"
 #include "Mesh/PointExchange.h"
 #include "Mesh/SharedEntities.h"
+#include "Volume/ControlPointRule.h"
 
 #include <algorithm>
 #include <cmath>

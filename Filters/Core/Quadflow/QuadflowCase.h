@@ -3,8 +3,8 @@
 /// What a multi-block topology file `.qfmb` says, as structures: made from B-spline volumes, and checked.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockMesh.h"
+#include "Volume/BSplineVolume.h"
 
 #include <string>
 #include <utility>

@@ -7,8 +7,8 @@
 /// it is not claimed.
 #pragma once
 
-#include "Ranks/Piece.h"
 #include "Quadflow/QuadflowCase.h"
+#include "Ranks/Piece.h"
 
 #include <functional>
 

@@ -16,9 +16,9 @@
 /// open is only a span that an exchange of directions maps to itself.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockTopology.h"
 #include "Quality/JacobianKernel.h"
+#include "Volume/BSplineVolume.h"
 
 #include <cstdint>
 #include <string>

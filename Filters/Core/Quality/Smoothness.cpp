@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quality/Smoothness.h"
 
-#include "Volume/ControlPointRule.h"
-#include "Ranks/Ranks.h"
 #include "Mesh/SharedEntities.h"
+#include "Ranks/Ranks.h"
+#include "Volume/ControlPointRule.h"
 
 #include <Eigen/Geometry>
 

@@ -35,8 +35,8 @@
 /// the layers through s are those that it pierces.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockMesh.h"
+#include "Volume/BSplineVolume.h"
 
 #include <functional>
 #include <string>

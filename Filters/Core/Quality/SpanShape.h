@@ -6,8 +6,8 @@
 /// (i..i+1, j..j+1, k..k+1). All results are the same bits for any orientation of the block.
 #pragma once
 
-#include "Mesh/BlockTopology.h"
 #include "Base/Types.h"
+#include "Mesh/BlockTopology.h"
 
 namespace bsv
 {

@@ -16,8 +16,7 @@ namespace bsv
 /// Collective.
 /// @return the same on all ranks.
 template <typename T, typename OwnerOf, typename ValueOf>
-std::vector<T> gatherFromOwners(
-  const Ranks& ranks, std::size_t count, const OwnerOf& ownerOf, const ValueOf& valueOf)
+std::vector<T> gatherFromOwners(const Ranks& ranks, std::size_t count, const OwnerOf& ownerOf, const ValueOf& valueOf)
 {
   std::vector<T> values(count);
   ranks.together([&] {
@@ -64,7 +63,8 @@ std::vector<std::vector<T>> gatherListsFromOwners(
   return lists;
 }
 
-/// value(i) of all i < count, on all ranks. Each computes an equal part of them, in ranges of about `grain`. Collective.
+/// value(i) of all i < count, on all ranks. Each computes an equal part of them, in ranges of about `grain`.
+/// Collective.
 template <typename T, typename Value>
 std::vector<T> sharedOut(Index count, Index grain, const Execution& run, const Value& value)
 {

@@ -3,8 +3,8 @@
 /// Parts of a mesh that are asked for one by one, by ranks or by one process.
 #pragma once
 
-#include "Ranks/Ranks.h"
 #include "Base/Types.h"
+#include "Ranks/Ranks.h"
 
 #include <array>
 #include <vector>

@@ -2,8 +2,8 @@
 /// @file Ranks.h
 /// The processes that share a mesh. Each has the points of some of its blocks, and all know of all blocks.
 ///
-/// Functions of the core that take an Execution are collective where its `ranks` are several: all ranks call them with the
-/// same options, in the same order.
+/// Functions of the core that take an Execution are collective where its `ranks` are several: all ranks call them with
+/// the same options, in the same order.
 #pragma once
 
 #include "Base/Types.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Volume/BezierExtraction.h"
 
-#include "Volume/BezierSegments.h"
-#include "Ranks/Ranks.h"
 #include "Base/UnionFind.h"
+#include "Ranks/Ranks.h"
+#include "Volume/BezierSegments.h"
 
 #include <algorithm>
 #include <cmath>

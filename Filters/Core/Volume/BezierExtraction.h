@@ -13,9 +13,9 @@
 /// numbering, orientation or number of threads matters.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockMesh.h"
 #include "Mesh/BlockSurface.h"
+#include "Volume/BSplineVolume.h"
 #include "Volume/TensorPasses.h"
 
 #include <map>

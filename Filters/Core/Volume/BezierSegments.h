@@ -53,8 +53,10 @@ inline void bezierWeights(int degree, const std::vector<double>& knots, int span
   double backward[MaxDegree + 1];
   for (int i = 0; i < size; ++i)
   {
-    bezierOfSpan(degree, knots, span, [i](int k) { return k == i ? 1.0 : 0.0; }, forward);
-    bezierOfSpan(degree, mirrored, degree, [&](int k) { return k == degree - i ? 1.0 : 0.0; }, backward);
+    bezierOfSpan(
+      degree, knots, span, [i](int k) { return k == i ? 1.0 : 0.0; }, forward);
+    bezierOfSpan(
+      degree, mirrored, degree, [&](int k) { return k == degree - i ? 1.0 : 0.0; }, backward);
     for (int j = 0; j < size; ++j)
     {
       weights[j * size + i] = 0.5 * (forward[j] + backward[degree - j]);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Volume/TensorPasses.h"
 
-#include "Volume/BSplineVolume.h"
 #include "Base/RowLoop.h"
+#include "Volume/BSplineVolume.h"
 
 #include <algorithm>
 #include <limits>
@@ -67,8 +67,8 @@ BSV_ROW_LOOP void combine(
   }
 }
 
-/// combine() along i, for the results of a range of one line of points: `Components` numbers a point, or `components` if
-/// that is 0.
+/// combine() along i, for the results of a range of one line of points: `Components` numbers a point, or `components`
+/// if that is 0.
 template <int Components>
 void combineLine(const WeightTable& table, const Range& results, int firstPoint, int components, const double* line,
   double* __restrict out)
@@ -84,8 +84,7 @@ void combineLine(const WeightTable& table, const Range& results, int firstPoint,
       const double w0 = weights[0], w1 = weights[1], w2 = weights[2], w3 = weights[3];
       for (int c = 0; c < size; ++c)
       {
-        out[c] =
-          (w0 * points[c] + w3 * points[3 * size + c]) + (w1 * points[size + c] + w2 * points[2 * size + c]);
+        out[c] = (w0 * points[c] + w3 * points[3 * size + c]) + (w1 * points[size + c] + w2 * points[2 * size + c]);
       }
       continue;
     }
@@ -324,8 +323,7 @@ private:
       after[d] = box[d].size();
       const Index line = components * after[0];
       double* out = room(memory, line * after[1] * after[2]);
-      contract(
-        this->Tables[d], this->Net.components, d, control[d], box[d], sizes, in, out, { line, line * after[1] });
+      contract(this->Tables[d], this->Net.components, d, control[d], box[d], sizes, in, out, { line, line * after[1] });
       return out;
     };
     const double* first = pass(order[0], points, this->First);

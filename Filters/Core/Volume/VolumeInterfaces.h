@@ -3,8 +3,8 @@
 /// Which block faces of a multi-block B-spline volume meet, found from their geometry alone.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockMesh.h"
+#include "Volume/BSplineVolume.h"
 
 #include <functional>
 #include <string>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Wall/BodyFit.h"
 
-#include "Mesh/BlockSurface.h"
+#include "Base/OrderFreeSum.h"
+#include "Base/SparseArray.h"
 #include "Complex/EdgeFans.h"
 #include "Conversion/EntityRules.h"
 #include "Conversion/LayerRules.h"
-#include "Base/OrderFreeSum.h"
+#include "Mesh/BlockSurface.h"
 #include "Ranks/OwnedValues.h"
-#include "Base/SparseArray.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +32,14 @@ struct PointAt
 /// What ranks send of a point or vector.
 using Triple = std::array<double, 3>;
 
-Triple triple(const Vec3& x) { return { x[0], x[1], x[2] }; }
-Vec3 vec3(const Triple& x) { return Vec3(x[0], x[1], x[2]); }
+Triple triple(const Vec3& x)
+{
+  return { x[0], x[1], x[2] };
+}
+Vec3 vec3(const Triple& x)
+{
+  return Vec3(x[0], x[1], x[2]);
+}
 
 /// Mesh points of the wall, numbered once each: the same on all ranks.
 class Wall
@@ -102,7 +108,7 @@ public:
   Index edgeId(int edge, int k) const
   {
     const ComplexEdge& shared = this->Complex.edges[edge];
-    return k == 0           ? this->VertexId[shared.vertices[0]]
+    return k == 0         ? this->VertexId[shared.vertices[0]]
       : k == shared.cells ? this->VertexId[shared.vertices[1]]
                           : this->EdgeOffset[edge] + k - 1;
   }
@@ -127,8 +133,7 @@ private:
       if (id < 0)
       {
         id = this->size();
-        this->Places.push_back(
-          { use.block, facePoint(cells, use.face, (corner & 1) * ns, (corner >> 1) * nt) });
+        this->Places.push_back({ use.block, facePoint(cells, use.face, (corner & 1) * ns, (corner >> 1) * nt) });
       }
     }
     for (int axis = 0; axis < 2; ++axis)
@@ -147,8 +152,8 @@ private:
         {
           const int along = owner.edgeReversed[edge] ? n - k : k;
           const int across = side * (axis == 0 ? nt : ns);
-          this->Places.push_back({ use.block,
-            facePoint(cells, use.face, axis == 0 ? along : across, axis == 0 ? across : along) });
+          this->Places.push_back(
+            { use.block, facePoint(cells, use.face, axis == 0 ? along : across, axis == 0 ? across : along) });
         }
       }
     }
@@ -220,9 +225,9 @@ public:
         return ((at(0) + at(1)) + 4.0 * x[id]) / 6.0;
       case Kind::Tensor:
         // Opposite points are added first: turning or reflecting the rectangle changes no bit.
-        return (16.0 * x[id] + (4.0 * ((at(0) + at(1)) + (at(2) + at(3))) + ((at(4) + at(5)) + (at(6) + at(7))))) / 36.0;
-      default:
-      {
+        return (16.0 * x[id] + (4.0 * ((at(0) + at(1)) + (at(2) + at(3))) + ((at(4) + at(5)) + (at(6) + at(7))))) /
+          36.0;
+      default: {
         const double n = 0.5 * static_cast<double>(row.points.size());
         OrderFreeSum sum;
         sum.add(n * n, x[id]);
@@ -279,8 +284,8 @@ private:
       for (int s = 1; s < owner.cells(faceAxis(use.face, 0)); ++s)
       {
         this->Rows[id(s, t)] = { Kind::Tensor, 4,
-          { id(s - 1, t), id(s + 1, t), id(s, t - 1), id(s, t + 1), id(s - 1, t - 1), id(s + 1, t + 1), id(s - 1, t + 1),
-            id(s + 1, t - 1) } };
+          { id(s - 1, t), id(s + 1, t), id(s, t - 1), id(s, t + 1), id(s - 1, t - 1), id(s + 1, t + 1),
+            id(s - 1, t + 1), id(s + 1, t - 1) } };
       }
     }
   }
@@ -665,8 +670,7 @@ private:
     std::vector<PointAt> copies;
     switch (point.kind)
     {
-      case SharedPoint::Face:
-      {
+      case SharedPoint::Face: {
         const ComplexFace& face = this->Complex.faces[point.entity];
         std::array<int, 2> st{ point.s, point.t }, cells{ 0, 0 };
         for (const FaceUse& use : face.uses)
@@ -682,8 +686,7 @@ private:
         }
         break;
       }
-      case SharedPoint::Edge:
-      {
+      case SharedPoint::Edge: {
         const ComplexEdge& edge = this->Complex.edges[point.entity];
         for (const EdgeUse& use : edge.uses)
         {
@@ -796,8 +799,8 @@ bool passBlock(const BlockComplex& complex, MeshLine& line, Displacements& displ
   {
     return false;
   }
-  const auto st = mapFacePoint(
-    contact.orientation, line.s, line.t, cells[faceAxis(line.face, 0)], cells[faceAxis(line.face, 1)]);
+  const auto st =
+    mapFacePoint(contact.orientation, line.s, line.t, cells[faceAxis(line.face, 0)], cells[faceAxis(line.face, 1)]);
   line.block = contact.block;
   line.face = contact.face;
   line.s = st[0];
@@ -806,8 +809,7 @@ bool passBlock(const BlockComplex& complex, MeshLine& line, Displacements& displ
 }
 
 /// Carries displacements along mesh lines that start on this rank, from block to block and from rank to rank.
-void carry(
-  const BlockComplex& complex, std::vector<MeshLine> lines, Displacements& displacements, const Ranks& ranks)
+void carry(const BlockComplex& complex, std::vector<MeshLine> lines, Displacements& displacements, const Ranks& ranks)
 {
   do
   {
@@ -835,8 +837,8 @@ void carry(
 
 } // namespace
 
-WallDistances wallDistances(const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body,
-  const Execution& run)
+WallDistances wallDistances(
+  const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body, const Execution& run)
 {
   const EntityRules rules = classify(complex, conversion, run);
   const Wall wall(complex, rules);
@@ -892,8 +894,8 @@ WallDistances wallDistances(const BlockComplex& complex, const ConversionOptions
   return result;
 }
 
-BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options,
-  const Execution& run)
+BodyFitReport fitBody(
+  BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options, const Execution& run)
 {
   if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
   {
@@ -1030,8 +1032,8 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
       for (int s = 0; s <= owner.cells(faceAxis(use.face, 0)); ++s)
       {
         const Index i = wall.id(use.block, use.face, s, t);
-        lines.push_back({ use.block, use.face, s, t, 0, 0.0, triple(x[i] - given[i]),
-          options.range * rows.spacing(i, given) });
+        lines.push_back(
+          { use.block, use.face, s, t, 0, 0.0, triple(x[i] - given[i]), options.range * rows.spacing(i, given) });
       }
     }
   }

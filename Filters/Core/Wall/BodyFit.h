@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file BodyFit.h
-/// Makes the mesh of a body its Catmull-Clark control mesh: moves the wall's points so that their limit points lie where
-/// the wall's points were, or on the given body.
+/// Makes the mesh of a body its Catmull-Clark control mesh: moves the wall's points so that their limit points lie
+/// where the wall's points were, or on the given body.
 ///
-/// Points of ordinary flow meshes lie on the body. Taken as control points they would shrink it by about curvature h^2 / 6.
+/// Points of ordinary flow meshes lie on the body. Taken as control points they would shrink it by about curvature h^2
+/// / 6.
 #pragma once
 
-#include "Mesh/GridView.h"
 #include "Body/ClosestPoint.h"
 #include "Conversion/Conversion.h"
+#include "Mesh/GridView.h"
 
 namespace bsv
 {
@@ -22,17 +23,17 @@ struct WallDistances
   double limitPoints = 0.0;
 };
 
-/// @throws Error that names both bounding boxes and the likely scale factor if a wall point is farther from the body than
-/// a fifth of the wall's bounding-box diagonal: another unit, or another body.
-WallDistances wallDistances(const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body,
-  const Execution& run = {});
+/// @throws Error that names both bounding boxes and the likely scale factor if a wall point is farther from the body
+/// than a fifth of the wall's bounding-box diagonal: another unit, or another body.
+WallDistances wallDistances(
+  const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body, const Execution& run = {});
 
 struct BodyFitOptions
 {
   /// The body, or null: limit points then lie on the given points.
   const BodySurface* body = nullptr;
-  /// The given points are control points and stay so, except on creases, borders and corners: where these follow an edge
-  /// of the body, their limit points are moved to it. Needs `body`.
+  /// The given points are control points and stay so, except on creases, borders and corners: where these follow an
+  /// edge of the body, their limit points are moved to it. Needs `body`.
   bool edgesOnly = false;
   /// The iteration stops when no limit point is farther from its target than this fraction of the wall's bounding-box
   /// diagonal. Range (0, 1).
@@ -57,20 +58,20 @@ struct BodyFitReport
   double displacement = 0.0;
 };
 
-/// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it: of
-/// the blocks on this rank. Their views show the moved points in place of the stored ones afterwards (GridView::changed,
-/// BlockComplex::changedPoints); memory is needed for the moved points, not for the blocks.
+/// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it:
+/// of the blocks on this rank. Their views show the moved points in place of the stored ones afterwards
+/// (GridView::changed, BlockComplex::changedPoints); memory is needed for the moved points, not for the blocks.
 ///
 /// Collective: every rank knows the whole wall, computes a part of the closest points, and sends displacements on along
 /// mesh lines to the ranks of the next blocks. What a rank receives grows with the wall, not with the volume.
 ///
-/// The system L p = t is solved, where L p are the points through which the converted wall passes: the limit masks (3.31),
-/// creases and corners as in the conversion, and around extraordinary vertices what their rules make of them. By Chebyshev
-/// iteration (Golub, Varga 1961) without scalar products, so that results are the same bits for any numbering and
-/// orientation of the blocks.
-/// @throws Error if it does not converge (a cube of six quadrilaterals cannot take any eight limit points), or for options
-/// out of range; Aborted.
-BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options,
-  const Execution& run = {});
+/// The system L p = t is solved, where L p are the points through which the converted wall passes: the limit masks
+/// (3.31), creases and corners as in the conversion, and around extraordinary vertices what their rules make of them.
+/// By Chebyshev iteration (Golub, Varga 1961) without scalar products, so that results are the same bits for any
+/// numbering and orientation of the blocks.
+/// @throws Error if it does not converge (a cube of six quadrilaterals cannot take any eight limit points), or for
+/// options out of range; Aborted.
+BodyFitReport fitBody(
+  BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options, const Execution& run = {});
 
 } // namespace bsv

@@ -68,8 +68,8 @@ ReferenceState referenceState(const FlowConditions& flow);
 /// Boundary layer of a flat plate at one place.
 struct PlateLayer
 {
-  double distance = 0.0;     ///< x from the leading edge, length unit of the mesh
-  double reynolds = 0.0;     ///< Re_x = Re x / L
+  double distance = 0.0; ///< x from the leading edge, length unit of the mesh
+  double reynolds = 0.0; ///< Re_x = Re x / L
   bool turbulent = false;
   /// delta. Laminar: 5 x / sqrt(Re_x) (Blasius 1908; u = 0.99 U); turbulent: 0.37 (x - x_0) / Re_x^0.2 with x_0 where
   /// the layer turns turbulent (Prandtl, one-seventh power law), but not less than the laminar layer has there.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Wall/WallSpacing.h"
 
-#include "Volume/BSplineVolume.h"
-#include "Mesh/BlockSurface.h"
+#include "Base/OrderFreeSum.h"
 #include "Complex/EdgeFans.h"
 #include "Conversion/FarField.h"
-#include "Base/OrderFreeSum.h"
+#include "Mesh/BlockSurface.h"
 #include "Ranks/Ranks.h"
+#include "Volume/BSplineVolume.h"
 #include "Volume/Sampling.h"
 
 #include <algorithm>
@@ -302,9 +302,7 @@ public:
       int layers = 0;
     };
     Verdict worst;
-    const auto needsMore = [](const Verdict& a, const Verdict& b) {
-      return a.height / a.target > b.height / b.target;
-    };
+    const auto needsMore = [](const Verdict& a, const Verdict& b) { return a.height / a.target > b.height / b.target; };
     this->Run.ranks->together([&] {
       for (std::size_t w = 0; w < this->Result.sides.size(); ++w)
       {
@@ -408,8 +406,8 @@ public:
   {
     // Height per 1 - c in first cells, if the neighbours do the same: that of a straight line.
     const std::vector<Vec3> unit{ Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0), Vec3(3, 0, 0) };
-    const double effect = lineColumn(unit, 1.0).firstHeight(this->Options.level) -
-      lineColumn(unit, 0.0).firstHeight(this->Options.level);
+    const double effect =
+      lineColumn(unit, 1.0).firstHeight(this->Options.level) - lineColumn(unit, 0.0).firstHeight(this->Options.level);
     double worst = 0.0;
     for (std::size_t v = 0; v < this->Result.points.size(); ++v)
     {
@@ -535,8 +533,7 @@ private:
     {
       return owner.points(ijk);
     }
-    const Index at =
-      position[0] + Index(owner.cells(0) + 3) * (position[1] + Index(owner.cells(1) + 3) * position[2]);
+    const Index at = position[0] + Index(owner.cells(0) + 3) * (position[1] + Index(owner.cells(1) + 3) * position[2]);
     return Vec3(Eigen::Map<const Vec3>(this->Nets[block].points + 3 * at));
   }
 
@@ -640,8 +637,8 @@ private:
         counter.done = true;
         return;
       }
-      const auto st = mapFacePoint(
-        next.orientation, counter.s, counter.t, this->cells(counter.use, 0), this->cells(counter.use, 1));
+      const auto st =
+        mapFacePoint(next.orientation, counter.s, counter.t, this->cells(counter.use, 0), this->cells(counter.use, 1));
       counter.use = { next.block, next.face };
       counter.s = st[0];
       counter.t = st[1];
@@ -926,8 +923,8 @@ WallSpacingResult wallSpacing(const BlockMesh& mesh, const BlockComplex& complex
       throw Error(std::string(name) + " " + text(value) + " is not " + what);
     }
   };
-  check(options.targetYPlus > 0.0 && std::isfinite(options.targetYPlus), "Target Y Plus", options.targetYPlus,
-    "above 0");
+  check(
+    options.targetYPlus > 0.0 && std::isfinite(options.targetYPlus), "Target Y Plus", options.targetYPlus, "above 0");
   check(options.minimumDistance > 0.0 && std::isfinite(options.minimumDistance), "Minimum Distance",
     options.minimumDistance, "above 0");
   check(options.maximumGrowth > 1.0 && std::isfinite(options.maximumGrowth), "Maximum Growth", options.maximumGrowth,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "WingFuselage/WingFuselageMesh.h"
 
-#include "Wall/BodyFit.h"
 #include "Base/UnionFind.h"
+#include "Wall/BodyFit.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -3,8 +3,8 @@
 /// A mesh of 79 hexahedral blocks around the half model of WingFuselageBody.h.
 ///
 /// - 0..35: from each of the nine patches p of the body four blocks outwards to the surface of a box, 4 p .. 4 p + 3.
-///   The first three hold the layers that grow at the wall, the fourth goes on to the box. i and j run along a and b of the
-///   patch, k away from the body.
+///   The first three hold the layers that grow at the wall, the fourth goes on to the box. i and j run along a and b of
+///   the patch, k away from the body.
 /// - 36..39: ahead of and behind the box, each two in span. With them the box becomes a cuboid that is divided into
 ///   three along x, two along y and one along z.
 /// - 40..58: the extension to the far field on the 19 faces of the cuboid that are not in the symmetry plane.

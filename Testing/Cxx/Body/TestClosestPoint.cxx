@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Support/BodyCases.h"
 #include "Body/ClosestPoint.h"
 #include "Body/TrimRegion.h"
+#include "Support/BodyCases.h"
 
 #include <gtest/gtest.h>
 

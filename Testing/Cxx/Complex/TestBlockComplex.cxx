@@ -2,8 +2,8 @@
 /// The block complex: topology known from the geometry, independence of numbering, orientation and distribution over
 /// ranks, cuts, welding and refusals.
 #include "Complex/BlockComplex.h"
-#include "Support/DistributedComplex.h"
 #include "Complex/EntityClass.h"
+#include "Support/DistributedComplex.h"
 #include "Support/MeshCases.h"
 
 #include <gtest/gtest.h>
@@ -741,7 +741,8 @@ TEST(BlockComplex, RefusesContactsThatDoNotMatch)
   // Twice as fine on one side.
   MeshCase mesh = latticeBlocks({ { { 0, 0, 0 }, { 4, 4, 4 } } });
   mesh.blocks[0].name = "coarse";
-  mesh.add({ 8, 8, 4 }, [](const Ijk& p) { return Vec3(p[0] / 2.0, p[1] / 2.0, 4.0 + p[2]); }, "fine");
+  mesh.add(
+    { 8, 8, 4 }, [](const Ijk& p) { return Vec3(p[0] / 2.0, p[1] / 2.0, 4.0 + p[2]); }, "fine");
   expectMessage(errorOf(mesh), { "non-matching", "\"coarse\" face 5 (k=K)", "\"fine\" face 4 (k=0)", "near (" });
   for (unsigned seed = 1; seed <= 5; ++seed)
   {

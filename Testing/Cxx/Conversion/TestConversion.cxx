@@ -13,8 +13,8 @@
 #include <map>
 
 using namespace bsv;
-using conversioncases::Converted;
 using conversioncases::convert;
+using conversioncases::Converted;
 using meshcases::MeshCase;
 
 namespace
@@ -58,19 +58,37 @@ std::vector<NamedCase> cases()
   };
   const std::vector<std::vector<double>> stacks{ { 0.0, 0.2, 0.45 }, { 0.45, 0.7, 1.0, 1.3 } };
   return {
-    { "box", [=] { return wavy(meshcases::cutBox({ 9, 8, 10 }, { { { 5 }, { 1, 3 }, { 4 } } })); } },
-    { "oneCellBlocks", [=] { return wavy(meshcases::cutBox({ 3, 3, 3 }, { { { 1, 2 }, { 1, 2 }, { 1, 2 } } })); } },
+    { "box",
+      [=] {
+        return wavy(meshcases::cutBox({ 9, 8, 10 }, { { { 5 }, { 1, 3 }, { 4 } } }));
+      } },
+    { "oneCellBlocks",
+      [=] {
+        return wavy(meshcases::cutBox({ 3, 3, 3 }, { { { 1, 2 }, { 1, 2 }, { 1, 2 } } }));
+      } },
     { "ring3", [=] { return wavy(meshcases::ring(3, 3, stacks)); } },
     { "ring5", [=] { return wavy(meshcases::ring(5, 3, stacks)); } },
     { "ring6OneCell", [=] { return wavy(meshcases::ring(6, 1, stacks)); } },
     { "ring8", [=] { return meshcases::ring(8, 2, stacks); } },
-    { "sphereBody", [=] { return meshcases::sphereBody(8, { 1.0, 1.1, 1.25, 1.5, 2.0, 2.7, 3.5 }); } },
+    { "sphereBody",
+      [=] {
+        return meshcases::sphereBody(8, { 1.0, 1.1, 1.25, 1.5, 2.0, 2.7, 3.5 });
+      } },
     { "ball", [=] { return meshcases::ball(6, 5); } },
     { "torus", [=] { return meshcases::torus(3, 7); } },
-    { "oGrid", [=] { return wavy(meshcases::oGrid({ 8, 3, 2 })); } },
-    { "closedShell", [=] { return wavy(meshcases::closedShell({ 7, 8, 3 })); } },
+    { "oGrid",
+      [=] {
+        return wavy(meshcases::oGrid({ 8, 3, 2 }));
+      } },
+    { "closedShell",
+      [=] {
+        return wavy(meshcases::closedShell({ 7, 8, 3 }));
+      } },
     { "cGrid", [=] { return meshcases::cGrid(4, 12, 3, 2); } },
-    { "ridge", [=] { return taggedRidge({ 1, 2 }); } },
+    { "ridge",
+      [=] {
+        return taggedRidge({ 1, 2 });
+      } },
     { "lShape", [=] { return wavy(meshcases::lShape(3)); } },
   };
 }
@@ -92,8 +110,8 @@ std::array<double, 4> uniformBasis(double u, int d)
 
 } // namespace
 
-// The B-spline of the uncut grid is computed here from the uniform basis, with the control net continued linearly beyond
-// its border, which is what an end point that is interpolated with zero second derivative means.
+// The B-spline of the uncut grid is computed here from the uniform basis, with the control net continued linearly
+// beyond its border, which is what an end point that is interpolated with zero second derivative means.
 TEST(Conversion, CutGridEqualsTheSplineOfTheUncutGrid)
 {
   const Ijk cells{ 6, 5, 7 };
@@ -159,8 +177,8 @@ TEST(Conversion, CutGridEqualsTheSplineOfTheUncutGrid)
     for (double w = 0.0; w <= block.cells(2); w += 0.5)
       for (double v = 0.0; v <= block.cells(1); v += 0.25)
         for (double u = 0.0; u <= block.cells(0); u += 0.375)
-          for (const std::array<int, 3>& d : std::vector<std::array<int, 3>>{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 },
-                 { 0, 2, 0 }, { 1, 1, 0 }, { 0, 1, 1 }, { 2, 0, 0 } })
+          for (const std::array<int, 3>& d : std::vector<std::array<int, 3>>{
+                 { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { 0, 2, 0 }, { 1, 1, 0 }, { 0, 1, 1 }, { 2, 0, 0 } })
           {
             const Vec3 value = evaluate(converted.volumes[b], Vec3(u, v, w), d);
             const Vec3 where = origin.cast<double>() + axes.cast<double>() * Vec3(u, v, w);
@@ -196,7 +214,8 @@ TEST(Conversion, CutGridEqualsTheSplineOfTheUncutGrid)
   {
     // Derivatives are differences of coordinates: their rounding is relative to the coordinates as well.
     EXPECT_LE(worst[order], 1e-13 * std::max(size[order], size[0])) << "order " << order;
-    std::printf("cut against uncut grid, derivatives of order %d: %.1e of the coordinates\n", order, worst[order] / size[0]);
+    std::printf(
+      "cut against uncut grid, derivatives of order %d: %.1e of the coordinates\n", order, worst[order] / size[0]);
   }
 }
 
@@ -308,8 +327,8 @@ TEST(Conversion, RandomComplexesAreWatertightAndKeepTheirBits)
     }
     MeshCase other = mesh;
     meshcases::shuffle(other, seed, seed % 2 == 0);
-    EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), options)) ==
-      conversioncases::canonicalNet(converted));
+    EXPECT_TRUE(
+      conversioncases::canonicalNet(convert(other.mesh(), options)) == conversioncases::canonicalNet(converted));
   }
 }
 
@@ -341,8 +360,8 @@ TEST(Conversion, ExtraordinaryEdgeCrossesStackedBlocksC1)
         for (int corner = 0; corner < 4; ++corner)
         {
           const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
-          const Vec3 x = owner.points(facePoint(cells, a.face, (corner & 1) * cells[faceAxis(a.face, 0)],
-            (corner >> 1) * cells[faceAxis(a.face, 1)]));
+          const Vec3 x = owner.points(facePoint(
+            cells, a.face, (corner & 1) * cells[faceAxis(a.face, 0)], (corner >> 1) * cells[faceAxis(a.face, 1)]));
           bool found = false;
           MeshCase plain = meshcases::ring(valence, 3, { { 0.0, 0.5, 1.0 }, { 1.0, 1.0 + 0.5 * ratio, 1.0 + ratio } });
           for (const auto& block : plain.blocks)
@@ -556,8 +575,8 @@ TEST(Conversion, CreaseIsTheSplineOfItsOwnPoints)
     {
       const BSplineVolume& volume = converted.volumes[use.block];
       const int along = edgeDirection(use.edge);
-      const Vec3 start = converted.complex.blocks[use.block].points(
-        facePoint({ 3, 2, 3 }, 5, 0, edgeSide(use.edge, 0) ? 2 : 0));
+      const Vec3 start =
+        converted.complex.blocks[use.block].points(facePoint({ 3, 2, 3 }, 5, 0, edgeSide(use.edge, 0) ? 2 : 0));
       const int first = start == line[1] ? 0 : 3;
       for (double u = 0.0; u <= 3.0; u += 0.125)
       {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The conversion on several ranks gives the bits of the conversion on one.
-#include "Support/BodyCases.h"
 #include "Body/ClosestPoint.h"
-#include "Support/ConversionCases.h"
 #include "Conversion/EntityRules.h"
-#include "Support/MeshCases.h"
 #include "Ranks/Ranks.h"
+#include "Support/BodyCases.h"
+#include "Support/ConversionCases.h"
+#include "Support/MeshCases.h"
 #include "Support/ThreadRanks.h"
 #include "WingFuselage/WingFuselageBody.h"
 #include "WingFuselage/WingFuselageMesh.h"
@@ -93,8 +93,7 @@ struct Nets
       const ComplexBlock& block = complex.blocks[b];
       if (block.rank == rank)
       {
-        const std::size_t count =
-          std::size_t(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
+        const std::size_t count = std::size_t(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
         this->points[b].assign(3 * count, NaN);
         this->rules[b].assign(count, 255);
         this->storage[b] = { this->points[b].data(), this->rules[b].data() };
@@ -394,8 +393,9 @@ TEST(DistributedConversion, WallSpacing)
 TEST(DistributedConversion, TwoWallsInOnePlace)
 {
   // Both sides of a plate without thickness: its points have one spacing, though no block shares them.
-  Case test("thin plate", meshcases::latticeBlocks({ { { 0, 0, 0 }, { 3, 3, 2 } }, { { 0, 0, 2 }, { 3, 3, 5 } } },
-                            [](const Vec3& x) { return Vec3(x[0], x[1] + 0.1 * x[0] * x[2], 0.3 * x[2]); }));
+  Case test("thin plate",
+    meshcases::latticeBlocks({ { { 0, 0, 0 }, { 3, 3, 2 } }, { { 0, 0, 2 }, { 3, 3, 5 } } },
+      [](const Vec3& x) { return Vec3(x[0], x[1] + 0.1 * x[0] * x[2], 0.3 * x[2]); }));
   test.mesh.boundaryNames = { "below", "above" };
   test.mesh.boundaries = { { 0, 5, { { 0, 0 }, { 3, 3 } }, 0 }, { 1, 4, { { 0, 0 }, { 3, 3 } }, 1 } };
   test.options = withRoles({ BoundaryRole::Body, BoundaryRole::Body });

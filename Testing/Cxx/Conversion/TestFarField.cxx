@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The far-field extension: which blocks are found, where the first inserted layer lies, and what it does to the cells.
-#include "Support/ConversionCases.h"
 #include "Conversion/FarField.h"
+#include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ namespace
 using namespace conversioncases;
 using namespace meshcases;
 using bsv::BoundaryRole;
-using bsv::ConversionOptions;
 using bsv::ControlPointRule;
+using bsv::ConversionOptions;
 using bsv::FarFieldSide;
 using bsv::FarFieldSpacing;
 
@@ -137,8 +137,7 @@ Ratio cellRatio(const Converted& converted, int level, double most)
           const double outer = innerFirst ? cell(b, st[0], st[1]) : cell(a, s, t);
           // At the edges of the cuboid, and next to them, its layers follow the rules of its extraordinary edges.
           const bsv::ComplexBlock& block = converted.complex.blocks[a.block];
-          const Vec3 x = block.points(
-            bsv::facePoint({ block.cells(0), block.cells(1), block.cells(2) }, a.face, s, t));
+          const Vec3 x = block.points(bsv::facePoint({ block.cells(0), block.cells(1), block.cells(2) }, a.face, s, t));
           int near = 0;
           for (int d = 0; d < 3; ++d)
           {

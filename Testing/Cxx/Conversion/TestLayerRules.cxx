@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Base/OrderFreeSum.h"
 #include "Complex/EdgeFans.h"
 #include "Conversion/LayerRules.h"
 #include "Conversion/LimitMasks.h"
-#include "Base/OrderFreeSum.h"
 #include "Conversion/SingularNode.h"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,8 @@ struct Limit
   Fan fan;
 };
 
-/// Limit at the centre of a fan by OpenSubdiv's own refinement: the fan is refined `levels` times and the limit is taken
-/// there, from other points than those that the masks under test see.
+/// Limit at the centre of a fan by OpenSubdiv's own refinement: the fan is refined `levels` times and the limit is
+/// taken there, from other points than those that the masks under test see.
 Limit refinedLimit(const Fan& fan, bool corner, int levels)
 {
   const int spokes = fan.spokeCount(), sectors = fan.sectorCount();
@@ -422,8 +422,7 @@ VertexStar latticeStar(std::mt19937& random)
     for (int d = 0; d < 3; ++d)
     {
       block.edges[d] = 2 * d + cornerSide(corner, d);
-      const int face =
-        4 * d + cornerSide(corner, faceAxis(2 * d, 0)) + 2 * cornerSide(corner, faceAxis(2 * d, 1));
+      const int face = 4 * d + cornerSide(corner, faceAxis(2 * d, 0)) + 2 * cornerSide(corner, faceAxis(2 * d, 1));
       block.faces[d] = face;
       auto& sides = star.faces[face].blocks;
       sides[sides[0] < 0 ? 0 : 1] = corner;

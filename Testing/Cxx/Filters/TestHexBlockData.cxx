@@ -330,8 +330,8 @@ TEST(HexBlockData, RefusesBadArrays)
     { "range", "Interfaces", 12, { 0, 1, 1, 0, 0, 1, 0, 3, 0, 2, 0, 0 }, { "range 3", "0..2" } },
     { "empty range", "Interfaces", 12, { 0, 1, 1, 0, 0, 1, 1, 1, 0, 2, 0, 0 }, { "range 1", "0..0" } },
     { "range on B", "Interfaces", 12, { 0, 1, 1, 0, 0, 1, 0, 2, 0, 2, 1, 0 }, { "numbers of points" } },
-    { "second entry", "Interfaces", 12,
-      { 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0 }, { "entry 1", "face 7" } },
+    { "second entry", "Interfaces", 12, { 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0 },
+      { "entry 1", "face 7" } },
     { "components", "Boundaries", 4, { 0, 0, 0, 0 }, { "3 or 7" } },
     { "block", "Boundaries", 3, { 5, 0, 0 }, { "block 5" } },
     { "face", "Boundaries", 3, { 0, -1, 0 }, { "face -1" } },
@@ -461,51 +461,57 @@ TEST(HexBlockData, RanksMustAgree)
     std::vector<std::string> parts;
   };
   const std::vector<Bad> all = {
-    { "name", [](auto* part, int rank) {
-       if (rank == 2)
-       {
-         part->GetMetaData(0u)->Set(vtkCompositeDataSet::NAME(), "other");
-       }
-     },
+    { "name",
+      [](auto* part, int rank) {
+        if (rank == 2)
+        {
+          part->GetMetaData(0u)->Set(vtkCompositeDataSet::NAME(), "other");
+        }
+      },
       { "'name of 0'", "'other'", "rank 0", "rank 2" } },
-    { "size", [&](auto* part, int rank) {
-       if (rank == 2)
-       {
-         part->SetPartition(1, 0, part->GetPartition(0, 0) ? part->GetPartition(0, 0) : part->GetPartition(2, 0));
-       }
-     },
+    { "size",
+      [&](auto* part, int rank) {
+        if (rank == 2)
+        {
+          part->SetPartition(1, 0, part->GetPartition(0, 0) ? part->GetPartition(0, 0) : part->GetPartition(2, 0));
+        }
+      },
       { "'name of 1' of 4 x 3 x 4", "'name of 1' of 3 x 3 x 4", "rank 1", "rank 2" } },
-    { "array", [](auto* part, int rank) {
-       if (rank == 1)
-       {
-         part->GetFieldData()->RemoveArray("Boundaries");
-       }
-       else if (rank == 2)
-       {
-         setInts(part->GetFieldData(), "Boundaries", 3, { 0, 0, 1 });
-       }
-     },
+    { "array",
+      [](auto* part, int rank) {
+        if (rank == 1)
+        {
+          part->GetFieldData()->RemoveArray("Boundaries");
+        }
+        else if (rank == 2)
+        {
+          setInts(part->GetFieldData(), "Boundaries", 3, { 0, 0, 1 });
+        }
+      },
       { "'Boundaries'", "0 and 2" } },
-    { "bad array", [](auto* part, int rank) {
-       if (rank == 1)
-       {
-         setInts(part->GetFieldData(), "CreaseEdges", 2, { 0, 0 });
-       }
-     },
+    { "bad array",
+      [](auto* part, int rank) {
+        if (rank == 1)
+        {
+          setInts(part->GetFieldData(), "CreaseEdges", 2, { 0, 0 });
+        }
+      },
       { "'CreaseEdges'", "7", "2" } },
-    { "points", [](auto* part, int rank) {
-       if (rank == 1)
-       {
-         vtkStructuredGrid::SafeDownCast(part->GetPartitionAsDataObject(1, 0))->SetDimensions(2, 2, 2);
-       }
-     },
+    { "points",
+      [](auto* part, int rank) {
+        if (rank == 1)
+        {
+          vtkStructuredGrid::SafeDownCast(part->GetPartitionAsDataObject(1, 0))->SetDimensions(2, 2, 2);
+        }
+      },
       { "'name of 1'", "48", "8" } },
-    { "structure", [](auto* part, int rank) {
-       if (rank == 1)
-       {
-         part->SetNumberOfPartitionedDataSets(5);
-       }
-     },
+    { "structure",
+      [](auto* part, int rank) {
+        if (rank == 1)
+        {
+          part->SetNumberOfPartitionedDataSets(5);
+        }
+      },
       { "3 data sets on rank 0", "5 on rank 1" } },
   };
   for (const Bad& bad : all)

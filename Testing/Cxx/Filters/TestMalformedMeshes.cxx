@@ -278,8 +278,8 @@ TEST(MalformedMeshes, CGNS)
   };
   const auto condition = [](int file, CGNS_ENUMT(PointSetType_t) set, const std::vector<cgsize_t>& points) {
     int id = 0;
-    require(cg_boco_write(file, 1, 1, "wall", CGNS_ENUMV(BCWall), set, static_cast<cgsize_t>(points.size() / 3),
-      points.data(), &id));
+    require(cg_boco_write(
+      file, 1, 1, "wall", CGNS_ENUMV(BCWall), set, static_cast<cgsize_t>(points.size() / 3), points.data(), &id));
   };
   const std::vector<BadMesh> meshes = {
     { "zone without coordinates",
@@ -328,11 +328,20 @@ TEST(MalformedMeshes, CGNS)
         require(cg_coord_write(file, 1, 2, CGNS_ENUMV(RealDouble), "CoordinateY", values.data(), &id));
       },
       { "zone 2", "(1, 1, 0)", "y is nan" } },
-    { "contact turned", [&](int file) { contact(file, 1, { 1, 3, 2 }); },
+    { "contact turned",
+      [&](int file) {
+        contact(file, 1, { 1, 3, 2 });
+      },
       { "zone 'zone 1'", "interface 'joint'", "do not coincide" } },
-    { "contact with the wrong face", [&](int file) { contact(file, 3, { -1, 2, 3 }); },
+    { "contact with the wrong face",
+      [&](int file) {
+        contact(file, 3, { -1, 2, 3 });
+      },
       { "interface 'joint'", "do not coincide" } },
-    { "contact whose transform does not fit its ranges", [&](int file) { contact(file, 1, { 1, -2, 3 }); },
+    { "contact whose transform does not fit its ranges",
+      [&](int file) {
+        contact(file, 1, { 1, -2, 3 });
+      },
       { "interface 'joint'", "(1, -2, 3)" } },
     { "contact with an unknown zone",
       [&](int file) {
@@ -344,16 +353,24 @@ TEST(MalformedMeshes, CGNS)
       },
       { "interface 'joint'", "zone 9" } },
     { "condition inside the block",
-      [&](int file) { condition(file, CGNS_ENUMV(PointRange), { 2, 1, 1, 2, 3, 3 }); },
+      [&](int file) {
+        condition(file, CGNS_ENUMV(PointRange), { 2, 1, 1, 2, 3, 3 });
+      },
       { "boundary condition 'wall'", "(2, 1, 1) to (2, 3, 3)" } },
     { "condition on the whole block",
-      [&](int file) { condition(file, CGNS_ENUMV(PointRange), { 1, 1, 1, 3, 3, 3 }); },
+      [&](int file) {
+        condition(file, CGNS_ENUMV(PointRange), { 1, 1, 1, 3, 3, 3 });
+      },
       { "boundary condition 'wall'", "not on a face" } },
     { "condition beyond the block",
-      [&](int file) { condition(file, CGNS_ENUMV(PointRange), { 1, 1, 1, 1, 3, 4 }); },
+      [&](int file) {
+        condition(file, CGNS_ENUMV(PointRange), { 1, 1, 1, 1, 3, 4 });
+      },
       { "boundary condition 'wall'", "(1, 3, 4)", "3 x 3 x 3" } },
     { "list beyond the block",
-      [&](int file) { condition(file, CGNS_ENUMV(PointList), { 1, 1, 1, 1, 0, 1 }); },
+      [&](int file) {
+        condition(file, CGNS_ENUMV(PointList), { 1, 1, 1, 1, 0, 1 });
+      },
       { "boundary condition 'wall'", "(1, 0, 1)" } },
   };
   MeshCase mesh = twoBlocks();
@@ -442,8 +459,7 @@ TEST(MalformedMeshes, RandomBytes)
   const std::vector<Original> originals = { { plot3D(mesh, { true }), "text.xyz", "text.xyz" },
     { plot3D(mesh, {}), "fortran.xyz", "fortran.xyz" },
     { plot3D(mesh, { false, 0, true, true }), "raw.xyz", "raw.xyz" },
-    { readFile(folder / "adf.cgns"), "changed.cgns", "changed.cgns" },
-    { neutralMap(mesh), "mesh.nmf", "mesh.xyz" } };
+    { readFile(folder / "adf.cgns"), "changed.cgns", "changed.cgns" }, { neutralMap(mesh), "mesh.nmf", "mesh.xyz" } };
   std::mt19937 random(1);
   const char* rounds = std::getenv("BSV_FUZZ_ROUNDS");
   for (int round = 0; round < (rounds ? std::atoi(rounds) : 150); ++round)

@@ -17,8 +17,8 @@
 #include <vtkDataAssembly.h>
 #include <vtkFieldData.h>
 #include <vtkInformation.h>
-#include <vtkPointData.h>
 #include <vtkInformationVector.h>
+#include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkStringArray.h>
@@ -440,8 +440,8 @@ TEST(Pieces, RanksCheckContactsTogether)
       {
         const bsv::Interface& c = mesh.interfaces[mesh.interfaces.size() - 1 - n];
         const Ijk& counts = mesh.blocks[c.blockB].counts;
-        const Ijk at = bsv::facePoint(
-          { counts[0] - 1, counts[1] - 1, counts[2] - 1 }, c.faceB, c.originB[0], c.originB[1]);
+        const Ijk at =
+          bsv::facePoint({ counts[0] - 1, counts[1] - 1, counts[2] - 1 }, c.faceB, c.originB[0], c.originB[1]);
         points[c.blockB][3 * (at[0] + Index(counts[0]) * (at[1] + Index(counts[1]) * at[2])) + 1] += 0.5;
       }
       const auto readOn = [&](const Execution& run, const std::vector<int>& owners) {
@@ -458,8 +458,8 @@ TEST(Pieces, RanksCheckContactsTogether)
         bsv::readNeutralMap(map, here, run);
         return here.interfaces.size();
       };
-      const std::string serial = bsvtest::onRanks(
-        1, [&](const Execution& run) { readOn(run, std::vector<int>(points.size(), 0)); })[0];
+      const std::string serial =
+        bsvtest::onRanks(1, [&](const Execution& run) { readOn(run, std::vector<int>(points.size(), 0)); })[0];
       EXPECT_EQ(serial.empty(), torn == 0);
       for (const int ranks : { 2, 3, 5 })
       {
@@ -468,9 +468,8 @@ TEST(Pieces, RanksCheckContactsTogether)
         {
           owners.push_back(static_cast<int>(b * 7 + seed) % ranks);
         }
-        const auto errors = bsvtest::onRanks(ranks, [&](const Execution& run) {
-          EXPECT_EQ(readOn(run, owners), mesh.interfaces.size());
-        });
+        const auto errors = bsvtest::onRanks(
+          ranks, [&](const Execution& run) { EXPECT_EQ(readOn(run, owners), mesh.interfaces.size()); });
         for (const std::string& error : errors)
         {
           EXPECT_EQ(error, serial);
@@ -524,8 +523,8 @@ TEST(Pieces, RanksReadOneVolumeTogether)
   EXPECT_NE(serial.find("volume.qfmb, line"), std::string::npos) << serial;
   for (const int ranks : { 2, 3, 5 })
   {
-    EXPECT_EQ(bsvtest::onRanks(ranks, [&](const Execution& run) { readOn(run); }),
-      std::vector<std::string>(ranks, serial));
+    EXPECT_EQ(
+      bsvtest::onRanks(ranks, [&](const Execution& run) { readOn(run); }), std::vector<std::string>(ranks, serial));
   }
 
   // Two sides of an interface that differ: every split of the blocks finds them.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Third-party meshes of the folder in the environment variable BSV_SHARED_DATA; skipped where it is not present.
-#include "Support/ConversionCases.h"
 #include "Complex/EntityClass.h"
 #include "Data/HexBlockData.h"
+#include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
 
 #include "vtkHexBlockMeshReader.h"
@@ -21,8 +21,8 @@
 #include <map>
 
 using namespace bsv;
-using conversioncases::Converted;
 using conversioncases::convert;
+using conversioncases::Converted;
 using meshcases::MeshCase;
 
 namespace
@@ -61,8 +61,8 @@ MeshCase load(const std::filesystem::path& file)
   for (const MeshBlock& block : mesh.blocks)
   {
     const auto& counts = block.points.counts();
-    result.add({ counts[0] - 1, counts[1] - 1, counts[2] - 1 }, [&](const Ijk& p) { return block.points(p); },
-      block.name);
+    result.add(
+      { counts[0] - 1, counts[1] - 1, counts[2] - 1 }, [&](const Ijk& p) { return block.points(p); }, block.name);
   }
   result.interfaces = mesh.interfaces;
   result.boundaries = mesh.boundaries;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Wall/BodyFit.h"
-#include "Support/MeshCases.h"
 #include "Base/SparseArray.h"
+#include "Support/MeshCases.h"
+#include "Wall/BodyFit.h"
 
 #include <gtest/gtest.h>
 

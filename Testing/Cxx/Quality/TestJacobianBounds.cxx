@@ -2,8 +2,8 @@
 // Validity of spans: against dense samples and exact rational arithmetic, on volumes of known sign, and independent of
 // orientation, threads and instruction set.
 #include "Quality/JacobianBounds.h"
-#include "Volume/Sampling.h"
 #include "Support/VolumeCases.h"
+#include "Volume/Sampling.h"
 
 #if defined(__GNUC__) && !defined(__clang__)
 // False alarms of GCC 12 inside Boost.

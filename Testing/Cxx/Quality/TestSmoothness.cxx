@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Smoothness of joins: pairs of blocks with known jumps, in all orientations; converted meshes; found interfaces.
+#include "Quality/Smoothness.h"
 #include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
-#include "Quality/Smoothness.h"
 #include "Support/ThreadRanks.h"
 #include "Support/VolumeCases.h"
 #include "Volume/VolumeInterfaces.h"

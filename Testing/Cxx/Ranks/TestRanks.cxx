@@ -120,8 +120,8 @@ TEST(Ranks, FetchedPointsAreThoseOfTheOwner)
     views[rank] = rank == 2 ? GridView(floats.data(), counts) : GridView(doubles.data(), counts);
     const int other = (rank + 1) % 3;
     const auto memory = bsv::fetchPoints(
-      { { other, { 0, 0, 0 }, { 3, 4, 1 } }, { other, { 3, 2, 5 }, { 3, 3, 5 } }, { rank, { 0, 0, 0 }, { 1, 1, 1 } } }, 3,
-      [](int block) { return block; }, [&](int block) -> GridView& { return views[block]; }, *run.ranks);
+      { { other, { 0, 0, 0 }, { 3, 4, 1 } }, { other, { 3, 2, 5 }, { 3, 3, 5 } }, { rank, { 0, 0, 0 }, { 1, 1, 1 } } },
+      3, [](int block) { return block; }, [&](int block) -> GridView& { return views[block]; }, *run.ranks);
     EXPECT_EQ(memory.size(), 1u);
     EXPECT_TRUE(views[rank].isHere());
     EXPECT_FALSE(views[other].isHere());

@@ -421,9 +421,8 @@ TEST(HexBlockMeshReader, AbortLeavesNothingAndIsNoError)
     writeFile(folder / "mesh.xyz", plot3D(mesh, { ascii }));
     Reading reading;
     vtkNew<vtkCallbackCommand> abort;
-    abort->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
-      static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1);
-    });
+    abort->SetCallback(
+      [](vtkObject* caller, unsigned long, void*, void*) { static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1); });
     reading.reader->AddObserver(vtkCommand::ProgressEvent, abort);
     read(reading, folder / "mesh.xyz");
     EXPECT_TRUE(reading.errors.empty());

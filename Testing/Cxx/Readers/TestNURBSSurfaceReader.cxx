@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Support/BodyCases.h"
 #include "Body/ClosestPoint.h"
-#include "Data/NURBSSurfaceData.h"
-#include "Support/ThreadRanks.h"
 #include "Body/TrimRegion.h"
+#include "Data/NURBSSurfaceData.h"
+#include "Support/BodyCases.h"
+#include "Support/ThreadRanks.h"
 #include "vtkNURBSSurfaceReader.h"
 
 #include <vtkCallbackCommand.h>

@@ -3,8 +3,8 @@
 /// Bodies whose geometry is known exactly, for tests of surfaces and closest points.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Body/NURBSSurface.h"
+#include "Volume/BSplineVolume.h"
 
 #include <Eigen/LU>
 
@@ -218,8 +218,8 @@ inline Vec3 starNormal(const Vec3& x)
 {
   const double length = x.norm();
   const Vec3 d = x / length;
-  const Vec3 slope(0.25 * d[1] + 0.12 * d[1] * d[2] + 0.1, 0.25 * d[0] + 0.12 * d[0] * d[2],
-    0.45 * d[2] * d[2] + 0.12 * d[0] * d[1]);
+  const Vec3 slope(
+    0.25 * d[1] + 0.12 * d[1] * d[2] + 0.1, 0.25 * d[0] + 0.12 * d[0] * d[2], 0.45 * d[2] * d[2] + 0.12 * d[0] * d[1]);
   return (d - (slope - slope.dot(d) * d) / starRadius(d)).normalized();
 }
 

@@ -161,7 +161,8 @@ Jumps interfaceJumps(const Converted& converted)
             {
               const Ijk pa = netPoint(va, a.face, s, t, depth);
               const Ijk pb = netPoint(vb, b.face, st[0], st[1], depth);
-              regular = regular && isSmoothRule(converted.rule(a.block, pa)) && isSmoothRule(converted.rule(b.block, pb));
+              regular =
+                regular && isSmoothRule(converted.rule(a.block, pa)) && isSmoothRule(converted.rule(b.block, pb));
               size = std::max({ size, converted.controlPoint(a.block, pa).cwiseAbs().maxCoeff(),
                 converted.controlPoint(b.block, pb).cwiseAbs().maxCoeff() });
             }

@@ -3,9 +3,9 @@
 /// A mesh with its conversion, and measurements on it by evaluation.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Complex/BlockComplex.h"
 #include "Conversion/Conversion.h"
+#include "Volume/BSplineVolume.h"
 
 #include <array>
 #include <cstdint>
@@ -54,12 +54,13 @@ struct Jumps
   bsv::Index openControlPoints = 0;
 };
 
-/// Evaluates all partial derivatives up to second order on both sides of every interface, at a few points of every span.
-/// Jumps are taken where all control points of the span are regular (`Regular`, `Copied` or smooth boundary rules).
+/// Evaluates all partial derivatives up to second order on both sides of every interface, at a few points of every
+/// span. Jumps are taken where all control points of the span are regular (`Regular`, `Copied` or smooth boundary
+/// rules).
 Jumps interfaceJumps(const Converted& converted);
 
-/// Spans whose Jacobian determinant is proven to have the sign of the block's handedness, and the others. Only the spans
-/// for which `consider(block, span)` holds.
+/// Spans whose Jacobian determinant is proven to have the sign of the block's handedness, and the others. Only the
+/// spans for which `consider(block, span)` holds.
 struct ProvenSpans
 {
   bsv::Index valid = 0;

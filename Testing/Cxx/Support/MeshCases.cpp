@@ -91,8 +91,8 @@ std::array<int, 2> onFace(int face, const Ijk& p)
 }
 
 /// The interface with block A's and B's indices passed through `a` and `b`.
-bsv::Interface movedInterface(const bsv::Interface& old, const Reorientation& a, const Ijk& cellsA,
-  const Reorientation& b, const Ijk& cellsB)
+bsv::Interface movedInterface(
+  const bsv::Interface& old, const Reorientation& a, const Ijk& cellsA, const Reorientation& b, const Ijk& cellsB)
 {
   bsv::Interface result = old;
   result.faceA = movedFace(a, old.faceA);
@@ -113,8 +113,8 @@ bsv::Interface movedInterface(const bsv::Interface& old, const Reorientation& a,
         moved(a, cellsA, bsv::facePoint(cellsA, old.faceA, old.rangeA.lo[0] + st[0], old.rangeA.lo[1] + st[1])));
       const auto newB = onFace(result.faceB,
         moved(b, cellsB, bsv::facePoint(cellsB, old.faceB, old.originB[0] + uv[0], old.originB[1] + uv[1])));
-      const auto mapped = bsv::mapFacePoint(
-        result.orientation, newA[0] - result.rangeA.lo[0], newA[1] - result.rangeA.lo[1], m[0], m[1]);
+      const auto mapped =
+        bsv::mapFacePoint(result.orientation, newA[0] - result.rangeA.lo[0], newA[1] - result.rangeA.lo[1], m[0], m[1]);
       fits = fits && mapped[0] == newB[0] - rangeB.lo[0] && mapped[1] == newB[1] - rangeB.lo[1];
     }
     if (fits)
@@ -180,8 +180,7 @@ bsv::BlockMesh MeshCase::mesh()
   return result;
 }
 
-MeshCase::Block& MeshCase::add(
-  const Ijk& cells, const std::function<Vec3(const Ijk&)>& point, const std::string& name)
+MeshCase::Block& MeshCase::add(const Ijk& cells, const std::function<Vec3(const Ijk&)>& point, const std::string& name)
 {
   Block block;
   block.name = name;
@@ -219,11 +218,10 @@ MeshCase latticeBlocks(const std::vector<std::pair<Ijk, Ijk>>& boxes, const Map&
   for (const auto& box : boxes)
   {
     const Ijk a = box.first, b = box.second;
-    result.add({ b[0] - a[0], b[1] - a[1], b[2] - a[2] },
-      [&](const Ijk& p) {
-        const Vec3 x(a[0] + p[0], a[1] + p[1], a[2] + p[2]);
-        return map ? map(x) : x;
-      });
+    result.add({ b[0] - a[0], b[1] - a[1], b[2] - a[2] }, [&](const Ijk& p) {
+      const Vec3 x(a[0] + p[0], a[1] + p[1], a[2] + p[2]);
+      return map ? map(x) : x;
+    });
   }
   return result;
 }
@@ -244,8 +242,8 @@ MeshCase cutBox(const Ijk& cells, const std::array<std::vector<int>, 3>& cuts, c
     {
       for (std::size_t i = 1; i < planes[0].size(); ++i)
       {
-        boxes.push_back({ { planes[0][i - 1], planes[1][j - 1], planes[2][k - 1] },
-          { planes[0][i], planes[1][j], planes[2][k] } });
+        boxes.push_back(
+          { { planes[0][i - 1], planes[1][j - 1], planes[2][k - 1] }, { planes[0][i], planes[1][j], planes[2][k] } });
       }
     }
   }
@@ -615,8 +613,7 @@ MeshCase randomBoxes(unsigned seed)
       boxes.emplace_back(first, last);
     }
   }
-  MeshCase mesh =
-    latticeBlocks(boxes, [](const Vec3& x) { return wavy(Vec3(0.4 * x)); });
+  MeshCase mesh = latticeBlocks(boxes, [](const Vec3& x) { return wavy(Vec3(0.4 * x)); });
   for (int n = below(3); n > 0; --n)
   {
     const int block = below(static_cast<int>(mesh.blocks.size()));
@@ -671,8 +668,8 @@ void reorient(MeshCase& mesh, int block, int orientation)
     const bool a = contact.blockA == block, bb = contact.blockB == block;
     if (a || bb)
     {
-      contact = movedInterface(contact, a ? r : none, a ? oldCells : mesh.blocks[contact.blockA].cells(),
-        bb ? r : none, bb ? oldCells : mesh.blocks[contact.blockB].cells());
+      contact = movedInterface(contact, a ? r : none, a ? oldCells : mesh.blocks[contact.blockA].cells(), bb ? r : none,
+        bb ? oldCells : mesh.blocks[contact.blockB].cells());
     }
   }
   for (bsv::BoundaryPatch& patch : mesh.boundaries)

@@ -272,8 +272,8 @@ inline std::string neutralMap(const MeshCase& mesh, bool flip = false)
   }
   for (const bsv::BoundaryPatch& patch : mesh.boundaries)
   {
-    text += "'" + mesh.boundaryNames[patch.tag] + "'" + range(patch.block, patch.face, patch.range.lo, patch.range.hi) +
-      "\n";
+    text +=
+      "'" + mesh.boundaryNames[patch.tag] + "'" + range(patch.block, patch.face, patch.range.lo, patch.range.hi) + "\n";
   }
   return text;
 }
@@ -367,8 +367,8 @@ inline void writeCGNS(const MeshCase& mesh, const std::string& fileName, const C
     }
     int id = 0;
     const std::string name = "contact " + std::to_string(++number);
-    require(cg_1to1_write(file, base, c.blockA + 1, name.c_str(), zoneName(c.blockB).c_str(), rangeA, rangeB,
-      transform.data(), &id));
+    require(cg_1to1_write(
+      file, base, c.blockA + 1, name.c_str(), zoneName(c.blockB).c_str(), rangeA, rangeB, transform.data(), &id));
     require(cg_1to1_write(file, base, c.blockB + 1, (name + " back").c_str(), zoneName(c.blockA).c_str(), rangeB,
       rangeA, inverse.data(), &id));
   }
@@ -401,9 +401,8 @@ inline void writeCGNS(const MeshCase& mesh, const std::string& fileName, const C
     if (centers)
     {
       const CGNS_ENUMT(GridLocation_t)
-      locations[3] = { CGNS_ENUMV(IFaceCenter), CGNS_ENUMV(JFaceCenter), CGNS_ENUMV(KFaceCenter) };
-      require(
-        cg_boco_gridlocation_write(file, base, patch.block + 1, id, locations[bsv::faceDirection(patch.face)]));
+        locations[3] = { CGNS_ENUMV(IFaceCenter), CGNS_ENUMV(JFaceCenter), CGNS_ENUMV(KFaceCenter) };
+      require(cg_boco_gridlocation_write(file, base, patch.block + 1, id, locations[bsv::faceDirection(patch.face)]));
     }
     require(cg_goto(file, base, "Zone_t", patch.block + 1, "ZoneBC_t", 1, "BC_t", id, "end"));
     require(cg_famname_write(mesh.boundaryNames[patch.tag].c_str()));

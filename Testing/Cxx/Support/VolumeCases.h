@@ -4,8 +4,8 @@
 /// orientations.
 #pragma once
 
-#include "Volume/BSplineVolume.h"
 #include "Mesh/BlockMesh.h"
+#include "Volume/BSplineVolume.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Evaluation of one block against a second implementation, against polynomials and against its own derivatives.
-#include "Volume/BezierSegments.h"
 #include "Support/VolumeCases.h"
+#include "Volume/BezierSegments.h"
 
 #include <gtest/gtest.h>
 

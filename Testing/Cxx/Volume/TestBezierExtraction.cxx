@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bezier cells of B-spline volumes: exact, connected, independent of orientation, order of blocks and threads.
-#include "Volume/BezierExtraction.h"
 #include "Support/ThreadRanks.h"
 #include "Support/VolumeCases.h"
+#include "Volume/BezierExtraction.h"
 
 #include <gtest/gtest.h>
 

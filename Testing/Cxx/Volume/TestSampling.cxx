@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Samples of B-spline blocks: against evaluate(), watertight, nested, independent of orientation and threads.
-#include "Volume/Sampling.h"
 #include "Support/VolumeCases.h"
+#include "Volume/Sampling.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Support/BodyCases.h"
-#include "Wall/BodyFit.h"
 #include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
+#include "Wall/BodyFit.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 #include <cmath>
 
 using namespace bsv;
-using conversioncases::Converted;
 using bodycases::starNormal;
 using bodycases::starPoint;
 using bodycases::starRadius;
+using conversioncases::Converted;
 using meshcases::MeshCase;
 
 namespace
@@ -29,8 +29,7 @@ MeshCase bodyMesh(int cells, double first, int layers = 8, const std::vector<Ijk
   {
     radii.push_back(radii.back() + first * std::pow(1.2, k));
   }
-  MeshCase mesh =
-    cubes.empty() ? meshcases::sphereBody(cells, radii) : meshcases::polycubeBody(cubes, cells, radii);
+  MeshCase mesh = cubes.empty() ? meshcases::sphereBody(cells, radii) : meshcases::polycubeBody(cubes, cells, radii);
   mesh.apply([](const Vec3& x) { return Vec3(starRadius(x.normalized()) * x); });
   mesh.boundaryNames = { "wall" };
   for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
@@ -106,8 +105,8 @@ double interpolationError(const Converted& converted, const MeshCase& mesh, int 
     {
       for (int i = 0; i <= cells; ++i)
       {
-        worst = std::max(worst,
-          (evaluate(converted.volumes[b], Vec3(i, j, 0)) - mesh.blocks[b].at({ i, j, 0 })).norm());
+        worst =
+          std::max(worst, (evaluate(converted.volumes[b], Vec3(i, j, 0)) - mesh.blocks[b].at({ i, j, 0 })).norm());
       }
     }
   }
@@ -400,9 +399,7 @@ TEST(BodyCrease, FollowsTheEdgeAndEachSideHasItsOwnNormal)
     double worst = 0.0;
     for (int b = 0; b < 6; ++b)
     {
-      const auto derivative = [&](int d) {
-        return evaluate(volumes.volumes[b], Vec3::Zero(), { d == 0, d == 1, 0 });
-      };
+      const auto derivative = [&](int d) { return evaluate(volumes.volumes[b], Vec3::Zero(), { d == 0, d == 1, 0 }); };
       // The slopes of roof() along y at the origin.
       const Vec3 exact = (mesh.blocks[b].at({ cells, cells, 0 })[1] > 0.0 ? Vec3(0, 0.3, 1) : Vec3(0, -0.4, 1));
       worst = std::max(worst, (derivative(0).cross(derivative(1)).normalized() - exact.normalized()).norm());

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How smooth a wall is at its extraordinary vertices, and how close to the body, by rule for the inserted points there.
-#include "Support/BodyCases.h"
-#include "Wall/BodyFit.h"
-#include "Support/ConversionCases.h"
 #include "Conversion/LayerRules.h"
+#include "Support/BodyCases.h"
+#include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
+#include "Wall/BodyFit.h"
 
 #include <gtest/gtest.h>
 
@@ -207,8 +207,8 @@ TEST(BodyTwist, CurvatureGivesTheExactCornerAtRegularVertices)
           }
           const Fan regular = smoothFan(fan, Twist::SecondFundamentalForm, std::vector<double>(4, 2.0 / 3.0));
           const BodyPoint foot = body.closestPoint(regular.center);
-          const Fan projected = projectedFan(
-            fan, { foot.geometry.point, foot.geometry.normal, foot.geometry.curvature, true, Vec3::Zero() },
+          const Fan projected = projectedFan(fan,
+            { foot.geometry.point, foot.geometry.normal, foot.geometry.curvature, true, Vec3::Zero() },
             Twist::SecondFundamentalForm);
           for (int s = 0; s < 4; ++s)
           {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Support/BodyCases.h"
-#include "Wall/BodyFit.h"
 #include "Support/DistributedComplex.h"
 #include "Support/MeshCases.h"
+#include "Wall/BodyFit.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 // volumes.
 #include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
-#include "Volume/Sampling.h"
 #include "Support/ThreadRanks.h"
+#include "Volume/Sampling.h"
 #include "Wall/WallSpacing.h"
 
 #include <gtest/gtest.h>
@@ -55,8 +55,8 @@ TEST(FlowConditions, ReferenceStateIsThatOfTheStandardAtmosphere)
   EXPECT_NEAR(state.conductivity, 0.025326, 2e-5);
   // What makes the equations dimensionless, from the dimensional quantities by their definition.
   EXPECT_NEAR(state.viscousCoefficient, state.viscosity / (state.density * state.velocity), 1e-15);
-  EXPECT_NEAR(state.heatCoefficient,
-    state.conductivity * 288.15 / (state.density * std::pow(state.velocity, 3)), 1e-10 * state.heatCoefficient);
+  EXPECT_NEAR(state.heatCoefficient, state.conductivity * 288.15 / (state.density * std::pow(state.velocity, 3)),
+    1e-10 * state.heatCoefficient);
   EXPECT_NEAR(state.pressureCoefficient, state.pressure / (state.density * state.velocity * state.velocity), 1e-12);
 
   // The same flow with the mesh in millimetres.
@@ -256,8 +256,7 @@ TEST(WallSpacing, VaryingValuesKeepTheirBitsInAnyNumbering)
       const double r = x.norm();
       x *= 1.0 + 0.3 * (r - 1.0) * (r - 1.0) * std::sin(3.0 * x[0] / r + 2.0 * x[1] / r);
     }
-    mesh.boundaries.push_back(
-      { int(&block - mesh.blocks.data()), 4, { { 0, 0 }, { 4, 4 } }, 0 });
+    mesh.boundaries.push_back({ int(&block - mesh.blocks.data()), 4, { { 0, 0 }, { 4, 4 } }, 0 });
   }
   mesh.boundaryNames = { "wall" };
   ConversionOptions options;
@@ -333,8 +332,9 @@ Measured endToEnd(MeshCase& mesh, const ConversionOptions& options, const bsv::W
 void print(const char* name, int level, const Measured& measured)
 {
   const std::vector<double>& c = measured.result.spacing;
-  std::printf("%s, level %d: growth allows the target at %lld of %lld wall points, y+ there off by at most %.1e; c %.3f "
-              "to %.3f, growth up to %.3f\n%s\n",
+  std::printf(
+    "%s, level %d: growth allows the target at %lld of %lld wall points, y+ there off by at most %.1e; c %.3f "
+    "to %.3f, growth up to %.3f\n%s\n",
     name, level, static_cast<long long>(measured.allowed), static_cast<long long>(measured.points), measured.ofTarget,
     *std::min_element(c.begin(), c.end()), *std::max_element(c.begin(), c.end()),
     *std::max_element(measured.result.growth.begin(), measured.result.growth.end()), measured.result.warning.c_str());
@@ -534,7 +534,6 @@ TEST(WallSpacing, SameForAnyNumberingAndRefusesWhatIsWrong)
   options.roles.clear();
   refused([](auto&) {});
 }
-
 
 //------------------------------------------------------------------------------
 // Meshes on several ranks

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The wing-fuselage case: its block structure, validity of all cells, a body without gaps, the wall on it, and its
 // conversion.
-#include "Wall/BodyFit.h"
-#include "Support/ConversionCases.h"
-#include "Quality/JacobianBounds.h"
 #include "Mesh/MeshCheck.h"
+#include "Quality/JacobianBounds.h"
+#include "Support/ConversionCases.h"
+#include "Wall/BodyFit.h"
 #include "WingFuselage/WingFuselageMesh.h"
 
 #include <Eigen/Geometry>
