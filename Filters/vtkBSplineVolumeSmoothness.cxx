@@ -4,6 +4,7 @@
 #include "Data/BSplineVolumeData.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
+#include "Quality/JoinEvaluation.h"
 #include "Quality/Smoothness.h"
 #include "Volume/VolumeInterfaces.h"
 
