@@ -3,6 +3,7 @@
 /// How the writers end: on all ranks together, with one message.
 #pragma once
 
+#include "IO/AtomicFile.h"
 #include "Ranks/Ranks.h"
 
 #include <vtkAlgorithm.h>
@@ -16,7 +17,9 @@ namespace bsv
 
 /// Runs the body of a writer's WriteData, which may communicate with the other ranks. An error on any of them is the
 /// error of all, raised by `algorithm` on the first rank.
-/// @return what the writer's error code becomes
+/// @return what the writer's error code becomes: OutOfDiskSpaceError where there was no room for the file,
+/// CannotOpenFileError where it could not be made for another reason, FileFormatError where the format cannot hold the
+/// data, UserError after an abort.
 template <typename Body>
 unsigned long writeTogether(vtkAlgorithm* algorithm, const std::string& fileName, const Ranks& ranks, const Body& body)
 {
@@ -31,9 +34,22 @@ unsigned long writeTogether(vtkAlgorithm* algorithm, const std::string& fileName
     raise("File Name is empty.");
     return vtkErrorCode::NoFileNameError;
   }
+  bool noRoom = false;
+  bool noFile = false;
   try
   {
-    ranks.together(body);
+    ranks.together([&] {
+      try
+      {
+        body();
+      }
+      catch (const FileError& error)
+      {
+        noRoom = error.noRoom();
+        noFile = true;
+        throw;
+      }
+    });
   }
   catch (const Aborted&)
   {
@@ -42,7 +58,9 @@ unsigned long writeTogether(vtkAlgorithm* algorithm, const std::string& fileName
   catch (const std::exception& error)
   {
     raise(error.what());
-    return vtkErrorCode::CannotOpenFileError;
+    return ranks.any(noRoom) ? vtkErrorCode::OutOfDiskSpaceError
+      : ranks.any(noFile)    ? vtkErrorCode::CannotOpenFileError
+                             : vtkErrorCode::FileFormatError;
   }
   return vtkErrorCode::NoError;
 }

@@ -47,8 +47,8 @@ def folder():
         yield path
 
 
-def write_errors(path, source=DEMO, **properties):
-    """Errors of a write that must fail."""
+def write_errors(path, source=DEMO, code=None, **properties):
+    """Errors of a write that must fail, with this error code of VTK."""
     proxy = writer(path, source, **properties)
     caught = []
 
@@ -60,6 +60,7 @@ def write_errors(path, source=DEMO, **properties):
     client(proxy).SetInputDataObject(client(source).GetOutputDataObject(0))
     assert client(proxy).Write() == 0
     assert client(proxy).GetErrorCode() != 0
+    assert code is None or client(proxy).GetErrorCode() == getattr(vtk.vtkErrorCode, code)
     return caught
 
 
@@ -149,10 +150,10 @@ def test_what_cannot_be_written():
         with open(file, "w") as old:
             old.write("old")
         mesh = demo_mesh(8)
-        errors = write_errors(file, mesh)
+        errors = write_errors(file, mesh, "FileFormatError")
         assert len(errors) == 1 and "is no B-spline volume" in errors[0], errors
         assert "File Name is empty" in write_errors("")[0]
-        assert "No such file" in write_errors(os.path.join(path, "no", "a.qfmb"))[0]
+        assert "No such file" in write_errors(os.path.join(path, "no", "a.qfmb"), code="CannotOpenFileError")[0]
 
         before, _ = update(DEMO)
         torn = before.NewInstance()
@@ -173,7 +174,7 @@ def test_what_cannot_be_written():
         handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (20000, limits[1]))
         try:
-            errors = write_errors(file)
+            errors = write_errors(file, code="OutOfDiskSpaceError")
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
             signal.signal(signal.SIGXFSZ, handler)

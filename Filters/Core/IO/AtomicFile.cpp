@@ -13,6 +13,13 @@ namespace bsv
 {
 
 //------------------------------------------------------------------------------
+FileError::FileError(const std::string& text, int code)
+  : Error(text + ": " + std::strerror(code))
+  , NoRoom(code == ENOSPC || code == EDQUOT || code == EFBIG)
+{
+}
+
+//------------------------------------------------------------------------------
 char* OutputBuffer::room(std::size_t size)
 {
   if (this->Used + size > this->Buffer.size())
@@ -199,7 +206,7 @@ void AtomicFile::publish()
 
 void AtomicFile::fail(const std::string& what) const
 {
-  throw Error("Cannot " + what + " '" + this->Target + "': " + std::strerror(errno));
+  throw FileError("Cannot " + what + " '" + this->Target + "'", errno);
 }
 
 } // namespace bsv

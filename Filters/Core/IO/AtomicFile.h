@@ -12,6 +12,19 @@
 namespace bsv
 {
 
+/// The operating system refused to create, write or replace a file.
+class FileError : public Error
+{
+public:
+  /// @param code the value of errno
+  FileError(const std::string& text, int code);
+  /// Whether there was no room for the file: a full disk, a quota, a limit on the size of files.
+  bool noRoom() const { return this->NoRoom; }
+
+private:
+  bool NoRoom;
+};
+
 /// Characters on their way out, collected into large pieces.
 class OutputBuffer
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file QuadflowFormat.h
 /// The multi-block topology file `.qfmb`, text or with binary control points. Everything that is known of its syntax is
-/// in QuadflowFormat.cpp; Writers/quadflow_format.md describes it.
+/// in QuadflowSyntax.h, QuadflowReader.cpp and QuadflowWriter.cpp; Writers/quadflow_format.md describes it.
 ///
 /// This is a dialect of this project. No public sample of the solver's own file was available, and compatibility with
 /// it is not claimed.
@@ -37,7 +37,7 @@ struct QuadflowOptions
 void writeQuadflow(
   const QuadflowCase& all, const std::string& path, const QuadflowOptions& options = {}, const Execution& run = {});
 
-/// Whether the file begins as a topology file.
+/// Whether the file begins as a topology file: its first 4096 bytes are read.
 bool looksLikeQuadflow(const std::string& path);
 
 /// Memory for the control points of block `block`: `counts[0] * counts[1] * counts[2]` triples.
