@@ -14,7 +14,7 @@ import tempfile
 
 from paraview import simple
 
-simple.LoadPlugin(os.path.abspath(sys.argv[1]), remote=False, ns=globals())
+simple.LoadPlugin(os.path.abspath(sys.argv[1]), remote=False, ns=simple.__dict__)
 from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
 from vtkmodules.vtkCommonCore import vtkSMPTools  # noqa: E402
 

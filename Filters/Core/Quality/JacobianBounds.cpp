@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quality/JacobianBounds.h"
 
+#include "Quality/SignBySubdivision.h"
+#include "Quality/SpanOrientation.h"
 #include "Volume/BezierSegments.h"
 
 #include <algorithm>
@@ -50,10 +52,6 @@ double gamma(double n)
 /// What underflow adds.
 constexpr double Tiny = 0x1p-800;
 
-/// Parts of a span that are looked at before it is given up, and once it is known that it cannot be proven valid.
-constexpr int MaxParts = 4096;
-constexpr int MaxHopelessParts = 64;
-
 /// Spans of a direction and their Bezier weights.
 struct Direction
 {
@@ -82,152 +80,6 @@ Direction direction(const BSplineVolume& volume, int d, const std::string& name)
   return result;
 }
 
-/// How the control points of a span are read: direction d of the result runs along direction order[d] of the block.
-struct Orientation
-{
-  std::array<int, 3> order;
-  std::array<bool, 3> flip;
-  Index start; ///< control point
-  std::array<Index, 3> strides;
-
-  /// 1, or -1 if it is a reflection.
-  double sign() const
-  {
-    const int inversions = (this->order[0] > this->order[1]) + (this->order[0] > this->order[2]) +
-      (this->order[1] > this->order[2]) + this->flip[0] + this->flip[1] + this->flip[2];
-    return inversions % 2 ? -1.0 : 1.0;
-  }
-};
-
-/// Finds the orientation in which the list of a span's control points, first direction fastest, comes first in
-/// lexicographic order; degrees ascend with the directions.
-class Canonical
-{
-public:
-  explicit Canonical(const BSplineVolume& volume)
-    : Volume(volume)
-    , Strides{ 1, volume.count(0), Index(volume.count(0)) * volume.count(1) }
-  {
-    std::iota(this->Order.begin(), this->Order.end(), 0);
-    std::stable_sort(
-      this->Order.begin(), this->Order.end(), [&volume](int a, int b) { return volume.degree[a] < volume.degree[b]; });
-  }
-
-  Orientation operator()(Index first) const
-  {
-    // Nearly always the corner and its neighbours decide.
-    const std::array<int, 3>& degree = this->Volume.degree;
-    int corner = 0;
-    bool tie = false;
-    Index start = first;
-    for (int c = 1; c < 8; ++c)
-    {
-      Index at = first;
-      for (int d = 0; d < 3; ++d)
-      {
-        at += cornerSide(c, d) * degree[d] * this->Strides[d];
-      }
-      const int sign = this->compare(at, start);
-      tie = sign == 0 || (tie && sign > 0);
-      if (sign < 0)
-      {
-        corner = c;
-        start = at;
-      }
-    }
-    Orientation best = this->orientation(first, this->Order, corner);
-    for (const auto& [a, b] : { std::pair(0, 1), std::pair(1, 2), std::pair(0, 1) })
-    {
-      if (degree[best.order[a]] == degree[best.order[b]])
-      {
-        const int sign = this->compare(start + best.strides[a], start + best.strides[b]);
-        tie = tie || sign == 0;
-        if (sign > 0)
-        {
-          std::swap(best.order[a], best.order[b]);
-          std::swap(best.flip[a], best.flip[b]);
-          std::swap(best.strides[a], best.strides[b]);
-        }
-      }
-    }
-    return tie ? this->search(first) : best;
-  }
-
-private:
-  /// Sign of the lexicographic comparison of two control points.
-  int compare(Index a, Index b) const
-  {
-    const double* x = this->Volume.points + 3 * a;
-    const double* y = this->Volume.points + 3 * b;
-    for (int c = 0; c < 3; ++c)
-    {
-      if (x[c] != y[c])
-      {
-        return x[c] < y[c] ? -1 : 1;
-      }
-    }
-    return 0;
-  }
-
-  Orientation orientation(Index first, const std::array<int, 3>& order, int corner) const
-  {
-    Orientation result{ order, {}, first, {} };
-    for (int d = 0; d < 3; ++d)
-    {
-      const int from = order[d];
-      result.flip[d] = cornerSide(corner, from) == 1;
-      result.start += result.flip[d] ? this->Volume.degree[from] * this->Strides[from] : 0;
-      result.strides[d] = result.flip[d] ? -this->Strides[from] : this->Strides[from];
-    }
-    return result;
-  }
-
-  Orientation search(Index first) const
-  {
-    const std::array<int, 3>& degree = this->Volume.degree;
-    Orientation best = this->orientation(first, this->Order, 0);
-    const auto before = [&](const Orientation& a) {
-      for (int k = 0; k <= degree[a.order[2]]; ++k)
-      {
-        for (int j = 0; j <= degree[a.order[1]]; ++j)
-        {
-          for (int i = 0; i <= degree[a.order[0]]; ++i)
-          {
-            const int sign = this->compare(a.start + i * a.strides[0] + j * a.strides[1] + k * a.strides[2],
-              best.start + i * best.strides[0] + j * best.strides[1] + k * best.strides[2]);
-            if (sign != 0)
-            {
-              return sign < 0;
-            }
-          }
-        }
-      }
-      return false;
-    };
-    std::array<int, 3> order{ 0, 1, 2 };
-    do
-    {
-      if (degree[order[0]] > degree[order[1]] || degree[order[1]] > degree[order[2]])
-      {
-        continue;
-      }
-      for (int corner = 0; corner < 8; ++corner)
-      {
-        const Orientation other = this->orientation(first, order, corner);
-        if (before(other))
-        {
-          best = other;
-        }
-      }
-    } while (std::next_permutation(order.begin(), order.end()));
-    return best;
-  }
-
-  const BSplineVolume& Volume;
-  std::array<Index, 3> Strides;
-  std::array<int, 3> Order;
-};
-
 /// Permanent of a matrix of 3 or 4 rows of numbers >= 0.
 template <int N>
 double permanent(const double (&m)[4][4], int row = 4 - N, int used = 0)
@@ -242,188 +94,6 @@ double permanent(const double (&m)[4][4], int row = 4 - N, int used = 0)
   }
   return sum;
 }
-
-/// Verdict on one polynomial, in the units in which it was computed.
-struct Verdict
-{
-  Validity validity = Validity::Undecided;
-  double lower;
-  double upper;
-  /// Where it is not positive, if invalid.
-  std::array<double, 3> at{ 0.0, 0.0, 0.0 };
-  double value = 0.0;
-};
-
-/// Decides the sign of polynomials in Bernstein form by halving.
-class Subdivision
-{
-public:
-  Subdivision(const std::array<int, 3>& counts, int maxDepth)
-    : Counts(counts)
-    , MaxDepth(maxDepth)
-    , Size(static_cast<std::size_t>(counts[0]) * counts[1] * counts[2])
-  {
-  }
-
-  std::vector<double>& root() { return this->part(0).coefficients; }
-
-  /// @param error of the coefficients in root(); @param growth of it per rounded mean.
-  Verdict operator()(double error, double growth)
-  {
-    Verdict verdict;
-    const auto [low, high] = std::minmax_element(this->root().begin(), this->root().end());
-    const double rootLower = *low - error;
-    const double rootUpper = *high + error;
-    verdict.lower = Infinity;
-    verdict.upper = -Infinity;
-    bool undecided = false;
-    int budget = MaxParts;
-    this->part(0).start = { 0.0, 0.0, 0.0 };
-    this->part(0).size = { 1.0, 1.0, 1.0 };
-    this->part(0).error = error;
-    this->part(0).depth = 0;
-    for (std::size_t top = 1; top > 0;)
-    {
-      Part& part = this->part(top - 1);
-      --budget;
-      const auto [smallest, largest] = std::minmax_element(part.coefficients.begin(), part.coefficients.end());
-      const double lower = *smallest - part.error;
-      const double upper = *largest + part.error;
-      bool leaf = lower > 0.0;
-      if (!leaf)
-      {
-        for (int corner = 0; corner < 8; ++corner)
-        {
-          const double value = part.coefficients[this->cornerIndex(corner)];
-          if (value + part.error <= 0.0)
-          {
-            verdict.validity = Validity::Invalid;
-            verdict.value = value + part.error;
-            for (int d = 0; d < 3; ++d)
-            {
-              verdict.at[d] = part.start[d] + cornerSide(corner, d) * part.size[d];
-            }
-            verdict.lower = rootLower;
-            verdict.upper = rootUpper;
-            return verdict;
-          }
-          if (value - part.error <= 0.0)
-          {
-            // Zero up to rounding: no halving proves it positive, another part may still be negative.
-            budget = std::min(budget, MaxHopelessParts);
-          }
-        }
-        leaf = part.depth >= this->MaxDepth || budget <= 0;
-        undecided = undecided || leaf;
-      }
-      if (leaf)
-      {
-        verdict.lower = std::min(verdict.lower, lower);
-        verdict.upper = std::max(verdict.upper, upper);
-        --top;
-      }
-      else
-      {
-        this->halve(top - 1, growth);
-        ++top;
-      }
-    }
-    verdict.lower = std::max(verdict.lower, rootLower);
-    verdict.upper = std::min(verdict.upper, rootUpper);
-    verdict.validity = undecided ? Validity::Undecided : Validity::Valid;
-    return verdict;
-  }
-
-private:
-  struct Part
-  {
-    std::vector<double> coefficients;
-    std::array<double, 3> start;
-    std::array<double, 3> size;
-    double error;
-    int depth;
-  };
-
-  Part& part(std::size_t i)
-  {
-    while (this->Parts.size() <= i)
-    {
-      this->Parts.emplace_back();
-      this->Parts.back().coefficients.resize(this->Size);
-    }
-    return this->Parts[i];
-  }
-
-  std::size_t cornerIndex(int corner) const
-  {
-    return (cornerSide(corner, 0) ? this->Counts[0] - 1 : 0) +
-      this->Counts[0] *
-      ((cornerSide(corner, 1) ? this->Counts[1] - 1 : 0) +
-        static_cast<std::size_t>(this->Counts[1]) * (cornerSide(corner, 2) ? this->Counts[2] - 1 : 0));
-  }
-
-  /// Calls visit(index of the first coefficient) for every row in direction d.
-  template <typename Visitor>
-  void rows(int d, Visitor&& visit) const
-  {
-    const int inner = d == 0 ? 1 : d == 1 ? this->Counts[0] : this->Counts[0] * this->Counts[1];
-    const int block = inner * this->Counts[d];
-    for (std::size_t o = 0; o < this->Size; o += block)
-    {
-      for (int i = 0; i < inner; ++i)
-      {
-        visit(o + i, inner);
-      }
-    }
-  }
-
-  /// Part `i` becomes the half with the larger coefficients, part i + 1 the other one: the next to be looked at.
-  void halve(std::size_t i, double growth)
-  {
-    this->part(i + 1); // may move the parts
-    Part& part = this->Parts[i];
-    Part& other = this->Parts[i + 1];
-    int across = 0;
-    double most = -1.0;
-    for (int d = 0; d < 3; ++d)
-    {
-      double variation = 0.0;
-      this->rows(d, [&](std::size_t first, int stride) {
-        for (int n = 1; n < this->Counts[d]; ++n)
-        {
-          variation += std::abs(part.coefficients[first + n * stride] - part.coefficients[first + (n - 1) * stride]);
-        }
-      });
-      if (variation > most)
-      {
-        most = variation;
-        across = d;
-      }
-    }
-    this->rows(across, [&](std::size_t first, int stride) {
-      halveBezier(
-        this->Counts[across] - 1, stride, part.coefficients.data() + first, other.coefficients.data() + first);
-    });
-    part.size[across] *= 0.5;
-    part.error += (this->Counts[across] - 1) * growth;
-    ++part.depth;
-    other.start = part.start;
-    other.size = part.size;
-    other.start[across] += part.size[across];
-    other.error = part.error;
-    other.depth = part.depth;
-    const auto smallest = [](const Part& p) { return *std::min_element(p.coefficients.begin(), p.coefficients.end()); };
-    if (smallest(part) < smallest(other))
-    {
-      std::swap(part, other);
-    }
-  }
-
-  std::array<int, 3> Counts;
-  int MaxDepth;
-  std::size_t Size;
-  std::vector<Part> Parts;
-};
 
 /// Results of one chunk of spans.
 struct Chunk
@@ -483,7 +153,7 @@ public:
 private:
   struct Lane
   {
-    Orientation orientation;
+    SpanOrientation orientation;
     /// P_c of the derivation above, w first if the span is rational, and the exponent of the power of two by which
     /// points are divided.
     std::array<double, 4> extent;
@@ -519,7 +189,7 @@ private:
       stride *= volume.count(d);
     }
     lane.orientation = this->Orient(first);
-    const Orientation& o = lane.orientation;
+    const SpanOrientation& o = lane.orientation;
     const std::array<int, 3>& degree = this->Batch.degree;
 
     const Vec3 origin = Eigen::Map<const Vec3>(volume.points + 3 * o.start);
@@ -639,7 +309,7 @@ private:
     const double change = size - (components == 4 ? permanent<4>(computed) : permanent<3>(computed));
     const double error = lane.flat ? 0.0 : change + this->ProductError * size + Tiny;
 
-    Verdict verdict;
+    SignVerdict verdict;
     verdict.lower = this->Batch.lowest[l] - error;
     verdict.upper = this->Batch.highest[l] + error;
     if (lane.overflow)
@@ -665,7 +335,7 @@ private:
   }
 
   /// From D to det J.
-  void rescale(Verdict& verdict, int l) const
+  void rescale(SignVerdict& verdict, int l) const
   {
     const Lane& lane = this->Lanes[l];
     if (this->Batch.components == 4)
@@ -701,7 +371,7 @@ private:
     }
   }
 
-  void store(const Verdict& verdict, int l, Index span)
+  void store(const SignVerdict& verdict, int l, Index span)
   {
     JacobianReport& report = this->Work.report;
     report.valid += verdict.validity == Validity::Valid ? 1 : 0;
@@ -719,7 +389,7 @@ private:
       witness.span = span;
       witness.ijk = this->Work.ijk(span);
       witness.value = verdict.value;
-      const Orientation& o = this->Lanes[l].orientation;
+      const SpanOrientation& o = this->Lanes[l].orientation;
       for (int d = 0; d < 3; ++d)
       {
         const int to = o.order[d];
@@ -750,9 +420,9 @@ private:
   }
 
   Chunk& Work;
-  Canonical Orient;
+  CanonicalOrientation Orient;
   JacobianBatch Batch;
-  Subdivision Halving;
+  SignBySubdivision Halving;
   std::vector<Lane> Lanes;
   double BezierError;
   double ProductError;
