@@ -84,8 +84,11 @@ def run(name, mesh, options, body=None):
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "case.qfmb")
             simple.SaveData(file, proxy=volume)
-            with open(file, "rb") as stream:
-                fields.append(hashlib.sha256(stream.read()).hexdigest()[:12])
+            if os.path.exists(file):
+                with open(file, "rb") as stream:
+                    fields.append(hashlib.sha256(stream.read()).hexdigest()[:12])
+            else:
+                fields.append("not-written")
         simple.Delete(samples)
         print(label, len(blocks), *fields)
     sys.stdout.flush()
