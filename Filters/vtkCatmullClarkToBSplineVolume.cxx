@@ -61,6 +61,47 @@ int addBodyFaces(bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& fa
   return tag;
 }
 
+/// The crease lines of a mesh in the control nets of its converted blocks, which may be pieces of those of the mesh:
+/// each piece gets the part that lies in it.
+std::vector<bsv::CreaseLine> creasesOfNets(
+  const std::vector<bsv::CreaseLine>& creases, const bsv::BlockComplex& complex)
+{
+  std::vector<bsv::CreaseLine> result;
+  for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+  {
+    const bsv::ComplexBlock& block = complex.blocks[b];
+    for (const bsv::CreaseLine& crease : creases)
+    {
+      if (crease.block != block.parent)
+      {
+        continue;
+      }
+      bsv::CreaseLine line;
+      line.block = static_cast<int>(b);
+      bool inside = true;
+      bool isLine = false;
+      for (int d = 0; d < 3; ++d)
+      {
+        const int cells = block.cells(d);
+        const auto [lower, upper] = std::minmax(crease.from[d], crease.to[d]);
+        const int first = std::max(lower - block.offset[d], 0);
+        const int last = std::min(upper - block.offset[d], cells);
+        inside = inside && first <= last;
+        isLine = isLine || first < last;
+        // Mesh point i is control point i + 1 of the net, but for the two ends.
+        const auto position = [cells](int i) { return i == 0 ? 0 : i == cells ? cells + 2 : i + 1; };
+        line.from[d] = position(first);
+        line.to[d] = position(last);
+      }
+      if (inside && isLine)
+      {
+        result.push_back(line);
+      }
+    }
+  }
+  return result;
+}
+
 void addInts(vtkFieldData* fields, const char* name, const std::vector<int>& values)
 {
   vtkNew<vtkIntArray> array;
@@ -566,8 +607,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     // The output. From here on the ranks do not communicate.
     bsv::setBlocks(output, nets, names, "BSplineVolume");
     setContacts(output, complex);
-    // The pipeline passes it on from the input, but not every rank has one.
-    bsv::setCreases(output->GetFieldData(), mesh.creases);
+    // The pipeline passes on that of the input, in mesh points of blocks that may have been cut.
+    bsv::setCreases(output->GetFieldData(), creasesOfNets(mesh.creases, complex));
     vtkNew<vtkStringArray> ruleNames;
     ruleNames->SetName("ControlPointRuleNames");
     for (const std::string& name : bsv::controlPointRuleNames())

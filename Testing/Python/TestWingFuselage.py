@@ -86,6 +86,28 @@ def test_quadflow():
             assert bytes(memoryview(coordinates(a))) == bytes(memoryview(coordinates(b)))
 
 
+def test_creases_of_cut_blocks():
+    """Crease lines name control points of the pieces that a crease angle cuts the blocks into, made by crease rules."""
+    volume = simple.CatmullClarkToBSplineVolume(Input=source(Resolution=3), UseCreaseAngle=1, CreaseAngle=30.0)
+    data, _ = update(volume)
+    assert len(blocks(data)) > 79
+    creases = field(data, "CreaseEdges")
+    # A crease may end inside the wall, at an extraordinary vertex.
+    sharp = {field(data, "ControlPointRuleNames").index(name)
+             for name in ("Crease", "Corner", "BodyExtraordinaryVertex")}
+    for line in creases:
+        block, *ends = (int(n) for n in line)
+        grid = blocks(data)[block]
+        first, last = ends[:3], ends[3:]
+        direction, = [d for d in range(3) if first[d] != last[d]]
+        rules = values(grid.GetPointData().GetArray("ControlPointRule"))
+        n = dimensions(grid)
+        for at in range(min(first[direction], last[direction]), max(first[direction], last[direction]) + 1):
+            i, j, k = [at if d == direction else first[d] for d in range(3)]
+            assert rules[i + n[0] * (j + n[1] * k)] in sharp, (block, first, last)
+    update(simple.BSplineVolumeSampler(Input=volume, Level=0))
+
+
 def test_convergence():
     """Distance to the body and normal jump at the smooth borders of the wall, with the resolution. Points of the mesh lie on
     the body but next to corners of the patches where creases meet, which decide the largest distance."""
