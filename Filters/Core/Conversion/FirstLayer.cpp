@@ -3,6 +3,7 @@
 
 #include "Base/OrderFreeSum.h"
 #include "Complex/EdgeFans.h"
+#include "Complex/SurfacePointKey.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/OwnedValues.h"
 
@@ -17,18 +18,12 @@ namespace bsv
 namespace
 {
 
-using Coordinates = std::array<double, 3>;
-
-Coordinates coordinates(const Vec3& point)
-{
-  return { point[0], point[1], point[2] };
-}
-
-/// Values at mesh points, whatever block they come from; a point that is given several different ones has their mean.
+/// Values at points of the complex, whatever block they come from; a point that is given several different ones has
+/// their mean.
 class PointValues
 {
 public:
-  void add(const Vec3& point, double value) { this->Values[coordinates(point)].push_back(value); }
+  void add(const SurfacePointKey& point, double value) { this->Values[point].push_back(value); }
 
   /// Adds what the other ranks have. Collective.
   void gather(const Ranks& ranks)
@@ -47,23 +42,16 @@ public:
 
   /// Replaces the values by their means over all ranks, at its own points and at those of `more` that any rank has.
   /// Collective.
-  void agree(const std::vector<Coordinates>& more, const Ranks& ranks)
+  void agree(const std::vector<SurfacePointKey>& more, const Ranks& ranks)
   {
     if (ranks.size() == 1)
     {
       return;
     }
     // Every point has a rank that all others tell their values, and ask.
-    const auto keeper = [&](const Coordinates& point) {
-      std::size_t hash = 0;
-      for (const double x : point)
-      {
-        hash = 31 * hash + std::hash<double>()(x + 0.0); // zeros of both signs are one point
-      }
-      return (hash ^ hash >> 32) % ranks.size();
-    };
+    const auto keeper = [&](const SurfacePointKey& point) { return keeperOf(point, ranks.size()); };
     std::vector<std::vector<Entry>> told(ranks.size());
-    std::vector<std::vector<Coordinates>> questions(ranks.size());
+    std::vector<std::vector<SurfacePointKey>> questions(ranks.size());
     for (const Entry& entry : this->entries())
     {
       told[keeper(entry.point)].push_back(entry);
@@ -72,7 +60,7 @@ public:
     {
       questions[keeper(entry.first)].push_back(entry.first);
     }
-    for (const Coordinates& point : more)
+    for (const SurfacePointKey& point : more)
     {
       questions[keeper(point)].push_back(point);
     }
@@ -85,10 +73,10 @@ public:
       }
     }
     std::vector<std::vector<double>> answers(ranks.size());
-    const std::vector<std::vector<Coordinates>> asked = ranks.exchange(questions);
+    const std::vector<std::vector<SurfacePointKey>> asked = ranks.exchange(questions);
     for (int r = 0; r < ranks.size(); ++r)
     {
-      for (const Coordinates& point : asked[r])
+      for (const SurfacePointKey& point : asked[r])
       {
         const auto found = kept.Values.find(point);
         answers[r].push_back(
@@ -111,10 +99,10 @@ public:
   /// Takes over the points of `other`, none of which it has.
   void take(PointValues& other) { this->Values.merge(other.Values); }
 
-  bool has(const Vec3& point) const { return this->Values.count(coordinates(point)) > 0; }
+  bool has(const SurfacePointKey& point) const { return this->Values.count(point) > 0; }
 
   /// Values that are equal count once.
-  double at(const Vec3& point) const { return mean(this->Values.at(coordinates(point))); }
+  double at(const SurfacePointKey& point) const { return mean(this->Values.at(point)); }
 
   /// Mean over the points; `none` if there are none.
   double average(double none) const
@@ -130,7 +118,7 @@ public:
 private:
   struct Entry
   {
-    Coordinates point;
+    SurfacePointKey point;
     double value;
   };
 
@@ -159,7 +147,7 @@ private:
     return sum.result(static_cast<double>(values.size()))[0];
   }
 
-  std::map<Coordinates, std::vector<double>> Values;
+  std::map<SurfacePointKey, std::vector<double>> Values;
 };
 
 /// A block face as seen from inside its block: mesh points above it.
@@ -187,6 +175,7 @@ public:
     return result;
   }
   Vec3 point(int s, int t, int depth) const { return this->Owner.points(this->ijk(s, t, depth)); }
+  SurfacePointKey key(int s, int t) const { return surfacePointKey(this->Complex, this->Use, s, t); }
   bool has(int s, int t, int depth) const { return this->Owner.points.has(this->ijk(s, t, depth)); }
   /// Whether all points are on this rank, and whether none is.
   bool isHere() const { return this->Owner.points.isHere(); }
@@ -301,7 +290,7 @@ void FirstLayer::setWalls(const ConversionOptions& options)
   }
 
   PointValues values;
-  std::vector<Coordinates> near;
+  std::vector<SurfacePointKey> near;
   this->Processes.together([&] {
     for (const ComplexFace* face : walls)
     {
@@ -313,7 +302,7 @@ void FirstLayer::setWalls(const ConversionOptions& options)
         lines.forAll([&](int s, int t) {
           if (lines.has(s, t, 0))
           {
-            near.push_back(coordinates(lines.point(s, t, 0)));
+            near.push_back(lines.key(s, t));
           }
         });
         continue;
@@ -349,7 +338,7 @@ void FirstLayer::setWalls(const ConversionOptions& options)
         {
           c = matchingSpacing(lines.growth(s, t));
         }
-        values.add(lines.point(s, t, 0), c);
+        values.add(lines.key(s, t), c);
       });
     }
   });
@@ -368,7 +357,7 @@ void FirstLayer::setWalls(const ConversionOptions& options)
     lines.forAll([&](int s, int t) {
       if (lines.has(s, t, 0))
       {
-        const double c = values.at(lines.point(s, t, 0));
+        const double c = values.at(lines.key(s, t));
         weights[lines.index(s, t)] = c;
         this->WallRange = { std::min(this->WallRange[0], c), std::max(this->WallRange[1], c) };
       }
@@ -390,7 +379,7 @@ void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, cons
       if (side.onCuboid[i] && lines.isHere())
       {
         lines.forAll(
-          [&](int s, int t) { distances.add(lines.point(s, t, 0), lastDistance(side.inner[i], s, t, side.normal)); });
+          [&](int s, int t) { distances.add(lines.key(s, t), lastDistance(side.inner[i], s, t, side.normal)); });
       }
     }
   });
@@ -407,14 +396,6 @@ void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, cons
       beyond.push_back(side.outer[i]);
     }
   }
-  const std::vector<std::vector<Coordinates>> points = gatherListsFromOwners<Coordinates>(
-    this->Processes, beyond.size(), [&](std::size_t i) { return this->Complex.blocks[beyond[i].block].rank; },
-    [&](std::size_t i) {
-      std::vector<Coordinates> list;
-      const FaceLines lines(this->Complex, beyond[i]);
-      lines.forAll([&](int s, int t) { list.push_back(coordinates(lines.point(s, t, 0))); });
-      return list;
-    });
   std::vector<std::size_t> open(beyond.size());
   std::iota(open.begin(), open.end(), 0);
   while (!open.empty())
@@ -424,14 +405,13 @@ void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, cons
     for (const std::size_t i : open)
     {
       const FaceLines lines(this->Complex, beyond[i]);
-      const auto pointAt = [&](int s, int t) { return Vec3(points[i][lines.index(s, t)].data()); };
       bool found = false;
       for (int edge = 0; edge < 4; ++edge)
       {
         const bool alongS = edge < 2;
         const int n = alongS ? lines.ns() : lines.nt();
         const int across = edge % 2 == 0 ? 0 : alongS ? lines.nt() : lines.ns();
-        const auto onEdge = [&](int k) { return alongS ? pointAt(k, across) : pointAt(across, k); };
+        const auto onEdge = [&](int k) { return alongS ? lines.key(k, across) : lines.key(across, k); };
         bool known = true;
         for (int k = 0; k <= n; ++k)
         {
@@ -441,7 +421,7 @@ void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, cons
         {
           found = true;
           lines.forAll([&](int s, int t) {
-            const Vec3 point = pointAt(s, t);
+            const SurfacePointKey point = lines.key(s, t);
             if (!distances.has(point))
             {
               more.add(point, distances.at(onEdge(alongS ? s : t)));
@@ -481,8 +461,9 @@ void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, cons
       }
       const Vec3 point = lines.point(s, t, 0);
       const double first = side.normal.dot(lines.point(s, t, 1) - point);
-      const double distance =
-        spacing == FarFieldSpacing::PerVertex && distances.has(point) ? distances.at(point) : average;
+      const double distance = spacing == FarFieldSpacing::PerVertex && distances.has(lines.key(s, t))
+        ? distances.at(lines.key(s, t))
+        : average;
       if (first > 0.0 && distance > 0.0)
       {
         const double c = 1.0 - distance / first;

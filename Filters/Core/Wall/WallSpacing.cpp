@@ -3,11 +3,13 @@
 
 #include "Base/OrderFreeSum.h"
 #include "Complex/EdgeFans.h"
+#include "Complex/SurfacePointKey.h"
 #include "Conversion/FarField.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/Ranks.h"
 #include "Volume/BSplineVolume.h"
 #include "Volume/Sampling.h"
+#include "Wall/WallColumn.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,124 +28,8 @@ namespace
 constexpr double NaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double Infinity = std::numeric_limits<double>::infinity();
 
-/// Control points of one direction at the wall that the first two spans and the first cell behind them depend on.
-constexpr int Depth = 6;
-
-/// The cubic basis on clamped integer knots at u in [0, cells]: four values, that of control point `first` first.
-struct Basis
-{
-  int first;
-  std::array<double, 4> values;
-
-  Basis(int cells, double u)
-  {
-    const int span = std::min(static_cast<int>(u), cells - 1);
-    const auto knot = [cells](int i) { return static_cast<double>(std::min(std::max(i - 3, 0), cells)); };
-    double left[4], right[4];
-    for (int j = 1; j <= 3; ++j)
-    {
-      left[j] = u - knot(span + 4 - j);
-      right[j] = knot(span + 3 + j) - u;
-    }
-    basisFunctions(3, 0, left, right, this->values.data());
-    this->first = span;
-  }
-};
-
-/// The basis at knot u = m: what the reversed direction has at cells - m, mirrored bit for bit.
-Basis basisAtKnot(int cells, int m)
-{
-  if (2 * m > cells)
-  {
-    Basis basis = basisAtKnot(cells, cells - m);
-    std::reverse(basis.values.begin(), basis.values.end());
-    basis.first = cells - 1 - basis.first;
-    return basis;
-  }
-  Basis basis(cells, m);
-  if (2 * m == cells)
-  {
-    basis.values[0] = basis.values[2] = 0.5 * (basis.values[0] + basis.values[2]);
-  }
-  return basis;
-}
-
-/// The curve that rises from a wall vertex: its first control points.
-struct Column
-{
-  int cells = 0;
-  std::array<Vec3, Depth> points;
-
-  Vec3 at(double u) const
-  {
-    const Basis basis(this->cells, u);
-    Vec3 x = Vec3::Zero();
-    for (int i = 0; i < 4; ++i)
-    {
-      x += basis.values[i] * this->points[basis.first + i];
-    }
-    return x;
-  }
-  double firstHeight(int level) const { return (this->at(std::ldexp(1.0, -level)) - this->points[0]).norm(); }
-
-  /// Largest ratio, or its inverse, of neighbouring cells up to the first one behind the second span.
-  double growth(int level) const
-  {
-    const double step = std::ldexp(1.0, -level);
-    const int last = std::min(2, this->cells) * (1 << level) + (this->cells > 2 ? 1 : 0);
-    double largest = 1.0, before = 0.0;
-    Vec3 x = this->points[0];
-    for (int i = 1; i <= last; ++i)
-    {
-      const Vec3 next = this->at(i * step);
-      const double cell = (next - x).norm();
-      if (i > 1)
-      {
-        largest = std::max({ largest, cell / before, before / cell });
-      }
-      before = cell;
-      x = next;
-    }
-    return largest;
-  }
-};
-
-/// A mesh line as a curve: the column of its points, with the inserted one at the fraction `e` = 1 - c.
-Column lineColumn(const std::vector<Vec3>& line, double e)
-{
-  Column column;
-  column.cells = static_cast<int>(line.size()) - 1;
-  const int cells = column.cells;
-  for (int a = 0; a < std::min(Depth, cells + 3); ++a)
-  {
-    column.points[a] = a == 0 ? line[0]
-      : a == 1                ? Vec3(line[0] + e * (line[1] - line[0]))
-      : a <= cells            ? line[a - 1]
-      : a == cells + 1        ? Vec3((2.0 * line[cells] + line[cells - 1]) / 3.0)
-                              : line[cells];
-  }
-  return column;
-}
-
 /// c from what keeps cells apart to what keeps the layer off the wall, as 1 - c.
 constexpr double Least = 0.02, Most = 0.98;
-
-/// 1 - c of the line that makes the first cell as high as `target`, not limited.
-double neededFraction(const std::vector<Vec3>& line, double target, int level)
-{
-  const double near = lineColumn(line, 0.0).firstHeight(level);
-  const double far = lineColumn(line, 1.0).firstHeight(level);
-  return far > near ? (target - near) / (far - near) : -1.0;
-}
-
-/// 1 - c that matches the growth of the layers, as in FirstLayer.h.
-double smoothFraction(const std::vector<Vec3>& line)
-{
-  const double first = (line[1] - line[0]).norm();
-  const double second = line.size() > 2 ? (line[2] - line[1]).norm() : first;
-  const double growth = first > 0.0 ? std::min(std::max(second / first, 0.2), 20.0) : 1.0;
-  return 1.0 / (3.0 + std::log(growth));
-}
 
 class WallModel
 {
@@ -159,7 +45,7 @@ public:
     const int rank = run.ranks->rank();
     result.spacingPoints.resize(mesh.blocks.size());
     this->Nets.resize(complex.blocks.size());
-    std::map<Place, Index> numbers;
+    std::map<SurfacePointKey, Index> numbers;
     bool wall = false;
     run.ranks->together([&] {
       for (std::size_t f = 0; f < complex.faces.size(); ++f)
@@ -181,10 +67,12 @@ public:
           for (int s = 0; s <= this->cells(use, 0); ++s)
           {
             const Vec3 x = this->point(use, s, t, 0);
-            const auto found = numbers.emplace(placeOf(x), result.points.size());
+            const SurfacePointKey key = surfacePointKey(complex, use, s, t);
+            const auto found = numbers.emplace(key, result.points.size());
             if (found.second)
             {
               result.points.push_back(x);
+              this->Keys.push_back(key);
             }
             side.vertices.push_back(found.first->second);
           }
@@ -384,7 +272,7 @@ public:
         this->Run.parallelFor(static_cast<Index>(values.size()), 64, [&](Index begin, Index end) {
           for (Index i = begin; i < end; ++i)
           {
-            const Column column = this->column({ side.block, side.face }, int(i % ns), int(i / ns));
+            const WallColumn column = this->column({ side.block, side.face }, int(i % ns), int(i / ns));
             values[i] = { column.firstHeight(this->Options.level), column.growth(this->Options.level) };
           }
         });
@@ -486,7 +374,7 @@ private:
     return owner.points(ijk);
   }
 
-  /// The first points of the mesh line that rises at (s, t), as many as a Column needs.
+  /// The first points of the mesh line that rises at (s, t), as many as a WallColumn needs.
   std::vector<Vec3> line(const FaceUse& use, int s, int t) const
   {
     std::vector<Vec3> line;
@@ -538,15 +426,15 @@ private:
   }
 
   /// The curve of the volume that rises at (s, t).
-  Column column(const FaceUse& use, int s, int t) const
+  WallColumn column(const FaceUse& use, int s, int t) const
   {
     const ComplexBlock& owner = this->Complex.blocks[use.block];
     const int first = faceAxis(use.face, 0), second = faceAxis(use.face, 1), normal = faceDirection(use.face);
-    const Basis alongS = basisAtKnot(owner.cells(first), s), alongT = basisAtKnot(owner.cells(second), t);
-    Column column;
+    const WallBasis alongS = basisAtKnot(owner.cells(first), s), alongT = basisAtKnot(owner.cells(second), t);
+    WallColumn column;
     column.cells = owner.cells(normal);
     OrderFreeSum sum;
-    for (int a = 0; a < std::min(Depth, column.cells + 3); ++a)
+    for (int a = 0; a < std::min(WallColumn::Depth, column.cells + 3); ++a)
     {
       sum.clear();
       for (int j = 0; j < 4; ++j)
@@ -590,7 +478,7 @@ private:
   {
     const double distance = this->Result.layers[vertex].thickness;
     const double perSpan = std::ldexp(1.0, this->Options.level);
-    const Column column = this->column(use, s, t);
+    const WallColumn column = this->column(use, s, t);
     const int own = std::min(2, column.cells);
     Counter counter{ this->Run.ranks->rank(), vertex, distance, use, s, t, own, 0, 0.0, own * perSpan, false };
     const double step = 1.0 / perSpan;
@@ -689,10 +577,6 @@ private:
     this->agree(result.cells, std::less<double>());
   }
 
-  /// A wall vertex as a key.
-  using Place = std::array<double, 3>;
-  static Place placeOf(const Vec3& x) { return { x[0] + 0.0, x[1] + 0.0, x[2] + 0.0 }; } // no negative zeros
-
   int tag(std::size_t side) const { return this->Complex.faces[this->Faces[side]].tag; }
 
   /// Finds the vertices that other ranks have, too.
@@ -706,25 +590,16 @@ private:
     {
       return;
     }
-    // Equal ones meet on a rank that their coordinates say, which tells the ranks that have them of each other.
+    // Equal ones meet on a rank that their keys say, which tells the ranks that have them of each other.
     struct Vertex
     {
-      Place place;
+      SurfacePointKey key;
       Index number;
-    };
-    const auto meeting = [&](const Place& place) {
-      std::size_t hash = 0;
-      for (const double x : place)
-      {
-        hash = hash * 31 + std::hash<double>()(x);
-      }
-      return hash % ranks.size();
     };
     std::vector<std::vector<Vertex>> toRank(ranks.size());
     for (std::size_t v = 0; v < points.size(); ++v)
     {
-      const Place place = placeOf(points[v]);
-      toRank[meeting(place)].push_back({ place, static_cast<Index>(v) });
+      toRank[keeperOf(this->Keys[v], ranks.size())].push_back({ this->Keys[v], static_cast<Index>(v) });
     }
     const std::vector<std::vector<Vertex>> met = ranks.exchange(toRank);
     struct Owner
@@ -732,15 +607,15 @@ private:
       int rank;
       Index number;
     };
-    std::map<Place, std::vector<Owner>> owners;
+    std::map<SurfacePointKey, std::vector<Owner>> owners;
     for (int r = 0; r < ranks.size(); ++r)
     {
       for (const Vertex& vertex : met[r])
       {
-        owners[vertex.place].push_back({ r, vertex.number });
+        owners[vertex.key].push_back({ r, vertex.number });
       }
     }
-    // In the order of the places, which is the same for both of them.
+    // In the order of the keys, which is the same for both of them.
     std::vector<std::vector<Owner>> pairs(ranks.size());
     for (const auto& entry : owners)
     {
@@ -904,6 +779,7 @@ private:
   std::vector<int> Faces;
   /// Per other rank the vertices that it has, too, in an order that both know.
   std::vector<std::vector<Index>> Shared;
+  std::vector<SurfacePointKey> Keys;
   std::vector<double> FirstCell;
   std::vector<std::unique_ptr<double[]>> Points;
   std::vector<std::unique_ptr<std::uint8_t[]>> Codes;

@@ -392,15 +392,15 @@ TEST(DistributedConversion, WallSpacing)
 
 TEST(DistributedConversion, TwoWallsInOnePlace)
 {
-  // Both sides of a plate without thickness: its points have one spacing, though no block shares them.
+  // Both sides of a plate without thickness: no block shares their points, so each side keeps its own spacing.
   Case test("thin plate",
     meshcases::latticeBlocks({ { { 0, 0, 0 }, { 3, 3, 2 } }, { { 0, 0, 2 }, { 3, 3, 5 } } },
       [](const Vec3& x) { return Vec3(x[0], x[1] + 0.1 * x[0] * x[2], 0.3 * x[2]); }));
   test.mesh.boundaryNames = { "below", "above" };
   test.mesh.boundaries = { { 0, 5, { { 0, 0 }, { 3, 3 } }, 0 }, { 1, 4, { { 0, 0 }, { 3, 3 } }, 1 } };
   test.options = withRoles({ BoundaryRole::Body, BoundaryRole::Body });
-  test.options.boundaryWallSpacing = { 0.5, 0.75 };
-  expectSerialBits(test, 4);
+  test.options.boundaryWallSpacing = { 0.5, 0.9 };
+  EXPECT_EQ(expectSerialBits(test, 4).report.wallSpacing, (std::array<double, 2>{ 0.5, 0.9 }));
 }
 
 TEST(DistributedConversion, WallOnly)

@@ -219,6 +219,31 @@ TEST(WallSpacing, OneValuePerVertexAndTheMeanBetweenBoundaries)
   EXPECT_FALSE(jumps.exceeds()[0] || jumps.exceeds()[1] || jumps.exceeds()[2]);
 }
 
+TEST(WallSpacing, BothSidesOfABaffleKeepTheirOwn)
+{
+  // Two blocks of walls in one place, which nothing but coordinates could mistake for each other.
+  const int cells = 2;
+  MeshCase mesh;
+  mesh.boundaryNames = { "below", "above" };
+  for (int b = 0; b < 2; ++b)
+  {
+    mesh.add({ cells, cells, 3 }, [&](const Ijk& p) { return Vec3(p[0], p[1], b == 0 ? p[2] - 3.0 : p[2]); });
+  }
+  mesh.boundaries = { { 0, 5, { { 0, 0 }, { cells, cells } }, 0 }, { 1, 4, { { 0, 0 }, { cells, cells } }, 1 } };
+  ConversionOptions options = walls();
+  options.boundaryWallSpacing = { 0.5, 0.9 };
+  const Converted converted = convert(mesh.mesh(), options);
+  EXPECT_EQ(converted.report.wallSpacing, (std::array<double, 2>{ 0.5, 0.9 }));
+  for (int j = 0; j < cells + 3; ++j)
+  {
+    for (int i = 0; i < cells + 3; ++i)
+    {
+      EXPECT_NEAR(converted.controlPoint(0, { i, j, 4 })[2], -0.5, 1e-14);
+      EXPECT_NEAR(converted.controlPoint(1, { i, j, 1 })[2], 0.1, 1e-14);
+    }
+  }
+}
+
 TEST(WallSpacing, PointsOverrideBoundariesAndAutomaticFollowsTheGrowth)
 {
   const int cells = 3;

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Numbers.h
+/// Three numbers as what ranks send of a point or vector.
+#pragma once
+
+#include "Base/Types.h"
+
+#include <array>
+
+namespace bsv
+{
+
+/// A point or vector as plain numbers: ranks send it, and it can be a key of a map.
+using Triple = std::array<double, 3>;
+
+inline Triple triple(const Vec3& x)
+{
+  return { x[0], x[1], x[2] };
+}
+inline Vec3 vec3(const Triple& x)
+{
+  return Vec3(x[0], x[1], x[2]);
+}
+
+} // namespace bsv

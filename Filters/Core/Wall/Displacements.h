@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Displacements.h
+/// Displacements of wall points, carried along mesh lines into the layers of all blocks and ranks.
+#pragma once
+
+#include "Base/Numbers.h"
+#include "Base/SparseArray.h"
+#include "Complex/BlockComplex.h"
+#include "Mesh/GridView.h"
+#include "Wall/WallPoints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace bsv
+{
+
+/// Displacement of one mesh point; the one with the larger weight counts where several reach it.
+struct Displacement
+{
+  double weight = 0.0;
+  Vec3 offset = Vec3::Zero();
+
+  bool operator<(const Displacement& other) const
+  {
+    if (this->weight != other.weight)
+    {
+      return this->weight < other.weight;
+    }
+    return std::lexicographical_compare(
+      this->offset.data(), this->offset.data() + 3, other.offset.data(), other.offset.data() + 3);
+  }
+};
+
+/// A mesh point that blocks share: of a face at (s, t) of its first block's face, of an edge s steps from its first
+/// vertex, or a vertex.
+struct SharedPoint
+{
+  enum Kind
+  {
+    Face,
+    Edge,
+    Vertex
+  };
+  Kind kind;
+  int entity;
+  int s, t;
+};
+
+/// Displacements of the blocks of this rank.
+class Displacements
+{
+public:
+  Displacements(const BlockComplex& complex, const Ranks& ranks);
+
+  bool isHere(int block) const { return this->Complex.blocks[block].rank == this->Group.rank(); }
+  /// Makes the displacement of a point at least so large.
+  void raise(const PointAt& point, const Displacement& displacement);
+
+  /// Gives all copies of every shared point, on all ranks, the largest of their displacements.
+  void share();
+
+  /// Moves the points. The offsets become the moved points, which takes no more memory.
+  void apply(BlockComplex& complex);
+
+private:
+  struct Message
+  {
+    SharedPoint point;
+    double weight;
+    Triple offset;
+  };
+
+  /// Displacements of a block of the mesh, of which blocks of the complex are pieces, by the points' places in memory.
+  struct Grid
+  {
+    Index size = 0;
+    std::shared_ptr<ChangedPoints> offsets;
+    /// Per slot of `offsets`; 0 for points that do not move.
+    std::vector<double> weights;
+  };
+  /// Offset of points that share a page with others and do not move: not zero, which would change the sign of zeros.
+  static Vec3 unmoved() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
+  static bool isUnmoved(const Vec3& offset) { return std::isnan(offset[0]); }
+
+  Index place(const PointAt& point) const;
+  bool reaches(int block) const { return !this->Grids[this->Complex.blocks[block].parent].weights.empty(); }
+  template <typename Use>
+  bool reachesAny(const std::vector<Use>& uses) const
+  {
+    return std::any_of(uses.begin(), uses.end(), [&](const Use& use) { return this->reaches(use.block); });
+  }
+
+  std::vector<PointAt> copies(const SharedPoint& point) const;
+
+  /// Gives the copies on this rank the largest of their displacements, and tells it to the ranks that have others.
+  void unite(const SharedPoint& point, std::vector<std::vector<Message>>& toRank);
+
+  const BlockComplex& Complex;
+  const Ranks& Group;
+  std::vector<Grid> Grids;
+};
+
+/// The mesh line of a wall point, where it enters a block.
+struct MeshLine
+{
+  int block, face, s, t;
+  /// Blocks that it came through, and its length there.
+  int passed;
+  double distance;
+  /// Displacement of the wall point, and how far it is carried.
+  Triple offset;
+  double reach;
+};
+
+/// Carries displacements along mesh lines that start on this rank, from block to block and from rank to rank.
+void carry(const BlockComplex& complex, std::vector<MeshLine> lines, Displacements& displacements, const Ranks& ranks);
+
+} // namespace bsv

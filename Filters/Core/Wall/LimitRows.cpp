@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Wall/LimitRows.h"
+
+#include "Complex/EdgeFans.h"
+
+#include <algorithm>
+
+namespace bsv
+{
+
+LimitRows::LimitRows(const BlockComplex& complex, const EntityRules& rules, const Wall& wall)
+  : Rows(wall.size())
+{
+  for (const int f : wall.faces())
+  {
+    this->addFace(complex, wall, f);
+  }
+  for (const int e : wall.edges())
+  {
+    this->addEdge(complex, rules, wall, e);
+  }
+  for (int v = 0; v < static_cast<int>(complex.vertices.size()); ++v)
+  {
+    if (wall.vertexId(v) >= 0)
+    {
+      this->addVertex(complex, rules, wall, v);
+    }
+  }
+}
+
+const std::vector<Index>& LimitRows::ring(Index id) const
+{
+  static const std::vector<Index> none;
+  const Row& row = this->Rows[id];
+  return row.kind == Kind::Ring && row.next != 4 ? row.points : none;
+}
+
+Vec3 LimitRows::apply(Index id, const std::vector<Vec3>& x) const
+{
+  const Row& row = this->Rows[id];
+  const auto at = [&](std::size_t i) -> const Vec3& { return x[row.points[i]]; };
+  switch (row.kind)
+  {
+    case Kind::Kept:
+      return x[id];
+    case Kind::Curve:
+      return ((at(0) + at(1)) + 4.0 * x[id]) / 6.0;
+    case Kind::Tensor:
+      // Opposite points are added first: turning or reflecting the rectangle changes no bit.
+      return (16.0 * x[id] + (4.0 * ((at(0) + at(1)) + (at(2) + at(3))) + ((at(4) + at(5)) + (at(6) + at(7))))) / 36.0;
+    default: {
+      const double n = 0.5 * static_cast<double>(row.points.size());
+      OrderFreeSum sum;
+      sum.add(n * n, x[id]);
+      for (std::size_t i = 0; i < row.points.size(); ++i)
+      {
+        sum.add(2 * i < row.points.size() ? 4.0 : 1.0, at(i));
+      }
+      return sum.result(n * (n + 5.0));
+    }
+  }
+}
+
+double LimitRows::spacing(Index id, const std::vector<Vec3>& x) const
+{
+  const Row& row = this->Rows[id];
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < row.next; ++i)
+  {
+    lengths.push_back((x[row.points[i]] - x[id]).norm());
+  }
+  std::sort(lengths.begin(), lengths.end());
+  double sum = 0.0;
+  for (const double length : lengths)
+  {
+    sum += length;
+  }
+  return sum / static_cast<double>(row.next);
+}
+
+void LimitRows::addFace(const BlockComplex& complex, const Wall& wall, int f)
+{
+  const FaceUse& use = complex.faces[f].uses.front();
+  const ComplexBlock& owner = complex.blocks[use.block];
+  const auto id = [&](int s, int t) { return wall.id(use.block, use.face, s, t); };
+  for (int t = 1; t < owner.cells(faceAxis(use.face, 1)); ++t)
+  {
+    for (int s = 1; s < owner.cells(faceAxis(use.face, 0)); ++s)
+    {
+      this->Rows[id(s, t)] = { Kind::Tensor, 4,
+        { id(s - 1, t), id(s + 1, t), id(s, t - 1), id(s, t + 1), id(s - 1, t - 1), id(s + 1, t + 1), id(s - 1, t + 1),
+          id(s + 1, t - 1) } };
+    }
+  }
+}
+
+void LimitRows::addEdge(const BlockComplex& complex, const EntityRules& rules, const Wall& wall, int e)
+{
+  const ComplexEdge& edge = complex.edges[e];
+  const EdgeRule& rule = rules.edges[e];
+  for (int k = 1; k < edge.cells; ++k)
+  {
+    Row& row = this->Rows[wall.edgeId(e, k)];
+    const Index before = wall.edgeId(e, k - 1), after = wall.edgeId(e, k + 1);
+    if (rule.feature)
+    {
+      row = { Kind::Curve, 2, { before, after } };
+      continue;
+    }
+    // Smooth: the wall goes on at both ends of the fan of blocks.
+    const EdgeFan& fan = rule.fans.front();
+    const auto beside = [&](int spoke, int layer) {
+      const auto [sector, which] = fan.spoke(spoke);
+      const ComplexBlock& owner = complex.blocks[sector->block];
+      const Ijk ijk = sector->point(owner, layer, which == 0 ? 1 : 0, which == 0 ? 0 : 1);
+      return wall.id(sector->block, sector->spokeFace(which), ijk);
+    };
+    const int last = fan.spokeCount() - 1;
+    row = { Kind::Tensor, 4,
+      { before, after, beside(0, k), beside(last, k), beside(0, k - 1), beside(last, k + 1), beside(0, k + 1),
+        beside(last, k - 1) } };
+  }
+}
+
+void LimitRows::addVertex(const BlockComplex& complex, const EntityRules& rules, const Wall& wall, int v)
+{
+  Row& row = this->Rows[wall.vertexId(v)];
+  const VertexStar star = vertexStar(complex, v);
+  const BoundaryRing ring = boundaryRing(star);
+  const int n = static_cast<int>(ring.edges.size());
+  const auto next = [&](int starEdge) {
+    const VertexStar::Edge& edge = star.edges[starEdge];
+    return wall.edgeId(edge.edge, edge.end == 0 ? 1 : complex.edges[edge.edge].cells - 1);
+  };
+  std::vector<int> features;
+  bool all = n > 0;
+  for (int i = 0; i < n; ++i)
+  {
+    if (rules.edges[star.edges[ring.edges[i]].edge].feature)
+    {
+      features.push_back(i);
+    }
+    all = all && wall.isWall(star.faces[ring.faces[i]].face);
+  }
+  const int gap = features.size() == 2 ? features[1] - features[0] : 0;
+  if (all && features.size() < 2 && n >= 3)
+  {
+    row.kind = Kind::Ring;
+    row.next = n;
+    for (const int edge : ring.edges)
+    {
+      row.points.push_back(next(edge));
+    }
+    for (const int f : ring.faces)
+    {
+      const FaceUse& use = complex.faces[star.faces[f].face].uses.front();
+      const ComplexBlock& owner = complex.blocks[use.block];
+      const int corner = star.faces[f].corner;
+      row.points.push_back(wall.id(use.block, use.face, corner & 1 ? owner.cells(faceAxis(use.face, 0)) - 1 : 1,
+        corner >> 1 ? owner.cells(faceAxis(use.face, 1)) - 1 : 1));
+    }
+    return;
+  }
+  const bool onWall = features.size() == 2 && wall.hasEdge(star.edges[ring.edges[features[0]]].edge) &&
+    wall.hasEdge(star.edges[ring.edges[features[1]]].edge);
+  if (onWall && gap > 1 && gap < n - 1)
+  {
+    row = { Kind::Curve, 2, { next(ring.edges[features[0]]), next(ring.edges[features[1]]) } };
+    return;
+  }
+  row.kind = Kind::Kept;
+  for (std::size_t e = 0; e < star.edges.size(); ++e)
+  {
+    if (star.edges[e].boundary && wall.hasEdge(star.edges[e].edge))
+    {
+      row.points.push_back(next(static_cast<int>(e)));
+    }
+  }
+  row.next = row.points.size();
+}
+
+ExtraordinaryFans::ExtraordinaryFans(const LimitRows& rows, Index points, Twist twist)
+  : Rule(twist)
+{
+  for (Index id = 0; id < points; ++id)
+  {
+    const std::vector<Index>& ring = rows.ring(id);
+    if (!ring.empty())
+    {
+      this->Centers.push_back(id);
+      this->Rings.push_back(ring);
+      this->Feet.emplace_back();
+      this->HasFoot.push_back(false);
+      for (const Index at : ring)
+      {
+        if (rows.isTensor(at))
+        {
+          this->Slots[at]; // creates it
+        }
+      }
+    }
+  }
+}
+
+void ExtraordinaryFans::setFoot(std::size_t fan, const SurfaceGeometry& geometry)
+{
+  this->HasFoot[fan] = geometry.normal.norm() > 0.0;
+  this->Feet[fan] = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+}
+
+void ExtraordinaryFans::correct(const std::vector<Vec3>& x, std::vector<Vec3>& values)
+{
+  for (std::size_t c = 0; c < this->Centers.size(); ++c)
+  {
+    const std::vector<Index>& ring = this->Rings[c];
+    const int n = static_cast<int>(ring.size() / 2);
+    Fan fan;
+    fan.center = x[this->Centers[c]];
+    for (int i = 0; i < n; ++i)
+    {
+      fan.spokes.push_back(x[ring[i]]);
+      fan.sectors.push_back(x[ring[n + i]]);
+    }
+    const Fan points = this->HasFoot[c] ? projectedFan(fan, this->Feet[c], this->Rule)
+                                        : smoothFan(fan, this->Rule, std::vector<double>(n, 2.0 / 3.0));
+    for (int i = 0; i < n; ++i)
+    {
+      const int before = (i + n - 1) % n, after = (i + 1) % n;
+      this->add(ring[i],
+        0.25 * points.spokes[i] - smoothMask(fan.sectors[before], fan.spokes[i], fan.sectors[i]) / 12.0 -
+          smoothMask(fan.spokes[before], fan.center, fan.spokes[after]) / 6.0);
+      this->add(ring[n + i],
+        (points.sectors[i] - (4.0 * fan.center + 2.0 * (fan.spokes[i] + fan.spokes[after]) + fan.sectors[i]) / 9.0) /
+          16.0);
+    }
+  }
+  for (auto& slot : this->Slots)
+  {
+    values[slot.first] += slot.second.result(1.0);
+    slot.second.clear();
+  }
+}
+
+void ExtraordinaryFans::add(Index id, const Vec3& change)
+{
+  const auto slot = this->Slots.find(id);
+  if (slot != this->Slots.end())
+  {
+    slot->second.add(1.0, change);
+  }
+}
+
+} // namespace bsv
