@@ -6,7 +6,9 @@
 //   net_k <- layerRule(mesh_k) + w(d_k) (bodyNet - layerRule(mesh_0)),   w = max(0, 1 - d / (r h))
 //
 // d is the distance along the block edges that rise from the vertex, h the mean length of the surface's edges there, r
-// the propagation range. Where these edges end sooner, so does w.
+// the propagation range. Where these edges end sooner, on a boundary that need not stay where it is, this boundary
+// moves by what is left of w: thin stacks of layers would fold otherwise. On planar sides, symmetry planes and other
+// bodies w ends with the edges.
 #include "Conversion/Converter.h"
 #include "Ranks/OwnedValues.h"
 
@@ -157,6 +159,60 @@ std::optional<Converter::Link> Converter::measure(Link& link, double distance, d
   return next;
 }
 
+bool Converter::endMoves(const Link& link) const
+{
+  const int top = this->Complex.edges[link.edge].vertices[1 - link.end];
+  if (!this->Complex.vertices[top].boundary)
+  {
+    return false;
+  }
+  const Star star = this->makeStar(top);
+  const StackAxes axes = this->stackAxes(star);
+  if (axes.up < 0 || axes.down >= 0 || star.edges[axes.up].edge != link.edge || star.edges[axes.up].end == link.end)
+  {
+    return false;
+  }
+  const bool free = std::all_of(star.faces.begin(), star.faces.end(), [&](const VertexStar::Face& face) {
+    const FaceRule& rule = this->Rules.faces[face.face];
+    return !face.boundary || (rule.role == BoundaryRole::Other && !rule.planar());
+  });
+  return free && std::all_of(star.edges.begin(), star.edges.end(), [&](const VertexStar::Edge& edge) {
+    return !edge.boundary || !this->Rules.edges[edge.edge].anchored;
+  });
+}
+
+void Converter::moveEnd(Star& star) const
+{
+  for (std::size_t e = 0; e < star.edges.size(); ++e)
+  {
+    const VertexStar::Edge& edge = star.edges[e];
+    const auto corrections = this->Corrections.find(edge.edge);
+    if (corrections == this->Corrections.end())
+    {
+      continue;
+    }
+    for (const Correction& correction : corrections->second)
+    {
+      if (correction.movedEnd != edge.end)
+      {
+        continue;
+      }
+      const Star::EdgeInfo& info = star.info[e];
+      const double weight = edge.end == 0 ? correction.weights.front() : correction.weights.back();
+      star.center += weight * correction.delta.center;
+      for (std::size_t i = 0; i < info.spokes.size(); ++i)
+      {
+        star.edgePoints[info.spokes[i]] += weight * correction.delta.spokes[i];
+      }
+      for (std::size_t i = 0; i < info.sectors.size(); ++i)
+      {
+        const int face = star.blocks[info.sectors[i]].faces[info.fan->sectors[i].along];
+        star.facePoints[face] += weight * correction.delta.sectors[i];
+      }
+    }
+  }
+}
+
 void Converter::propagateFeet()
 {
   if (this->Options.propagationRange == 0.0 ||
@@ -182,6 +238,7 @@ void Converter::propagateFeet()
   {
     double range;
     double distance;
+    bool endMoves;
     std::vector<Link> links;
   };
   std::vector<int> vertices;
@@ -211,7 +268,7 @@ void Converter::propagateFeet()
     {
       Numbers numbers(start);
       const double range = numbers.get();
-      chains.push_back({ range, 0.0, { getLink(numbers) } });
+      chains.push_back({ range, 0.0, false, { getLink(numbers) } });
     }
   }
   // All chains grow by one edge at a time.
@@ -230,6 +287,7 @@ void Converter::propagateFeet()
         Link link = chain.links.back();
         const auto next = this->measure(link, chain.distance, chain.range);
         Numbers numbers(link.distances);
+        numbers.put(!next && this->endMoves(link) ? 1.0 : 0.0);
         if (next && chain.links.size() <= this->Complex.edges.size())
         {
           putLink(numbers, *next);
@@ -244,6 +302,7 @@ void Converter::propagateFeet()
       Numbers numbers(steps[i]);
       link.distances.resize(this->Complex.edges[link.edge].cells + 1);
       std::generate(link.distances.begin(), link.distances.end(), [&] { return numbers.get(); });
+      chain.endMoves = numbers.get() != 0.0;
       chain.distance = link.end == 0 ? link.distances.back() : link.distances.front();
       if (!numbers.atEnd())
       {
@@ -255,13 +314,17 @@ void Converter::propagateFeet()
   }
   for (const Chain& chain : chains)
   {
-    const double range = std::min(chain.range, chain.distance);
+    const double range = chain.endMoves ? chain.range : std::min(chain.range, chain.distance);
     for (const Link& link : chain.links)
     {
-      Correction correction{ link.delta, {} };
+      Correction correction{ link.delta, {}, -1 };
       for (const double d : link.distances)
       {
         correction.weights.push_back(std::max(0.0, 1.0 - d / range));
+      }
+      if (chain.endMoves && &link == &chain.links.back())
+      {
+        correction.movedEnd = 1 - link.end;
       }
       this->Corrections[link.edge].push_back(correction);
     }

@@ -83,8 +83,8 @@ struct ConversionOptions
   /// are found through it. Empty: the extension is recognised (FarField.h).
   std::vector<bool> extensionBlocks;
   /// How far what the rules of the outer surface changed is carried into the layers, which would fold otherwise: above
-  /// creases as a multiple of the depth by which the smooth rule would round them (CreaseColumns.h), above
-  /// extraordinary body vertices in local edge lengths (BodyPropagation.cpp). At least 0, 0 is off.
+  /// extraordinary body vertices in local edge lengths (BodyPropagation.cpp), above creases in halves of the depth by
+  /// which the smooth rule would round them (CreaseColumns.h). At least 0, 0 is off.
   double propagationRange = 8.0;
   /// The body, or null. Its closest points to the limit points of extraordinary body vertices, with normal and second
   /// fundamental form, take the place of what is estimated from the mesh.

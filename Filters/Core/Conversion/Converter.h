@@ -142,6 +142,10 @@ private:
   std::optional<std::pair<Link, double>> firstLink(int vertex) const;
   /// Fills the link's distances, which start at `distance`; the link that continues it, if there is one.
   std::optional<Link> measure(Link& link, double distance, double range) const;
+  /// Whether the boundary where the link ends may move with the layers below it.
+  bool endMoves(const Link& link) const;
+  /// Moves the outer surface at the end of layers that have not faded out there.
+  void moveEnd(Star& star) const;
   ///@}
 
   /// Rule of inserted points off a connection layer, or else off a wall.
@@ -182,6 +186,8 @@ private:
   {
     Fan delta;
     std::vector<double> weights;
+    /// End of the edge where the outer surface moves with the layers, or -1.
+    int movedEnd = -1;
   };
   std::map<int, std::vector<Correction>> Corrections;
   /// Per vertex of the body: ConversionOptions::projectedPoints and surfaceNormals.

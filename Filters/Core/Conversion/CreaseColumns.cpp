@@ -13,20 +13,23 @@ namespace bsv
 namespace
 {
 
-/// What the depth above one surface point is measured by.
-struct DepthScale
-{
-  Vec3 area;       ///< vector area of the surface around the point, of either sign
-  double rounding; ///< |area . delta|
-};
-
-/// A point of a crease with its scale.
+/// What one boundary quadrilateral at a point of a crease says about depths above the point.
 struct Foot
 {
+  int line; ///< of the crease's mesh points
   std::array<double, 3> point;
-  std::array<double, 3> area;
-  double rounding;
+  std::array<double, 3> area; ///< of the quadrilateral, of either sign
+  double rounding;            ///< |area . delta|, not 0
 };
+
+void addFoot(std::vector<Foot>& feet, int line, const Vec3& x, const Vec3& area, const Vec3& delta)
+{
+  const double rounding = std::abs(area.dot(delta));
+  if (rounding > 0.0)
+  {
+    feet.push_back({ line, { x[0], x[1], x[2] }, { area[0], area[1], area[2] }, rounding });
+  }
+}
 
 /// Sum that does not depend on the order of the vectors.
 Vec3 sortedSum(std::vector<Vec3>& vectors)
@@ -44,7 +47,7 @@ Vec3 sortedSum(std::vector<Vec3>& vectors)
 }
 
 /// At a vertex delta is that of the Catmull-Clark limit: (4 sum (e - p) + sum (f - p)) / (n (n + 5)).
-DepthScale scaleAtVertex(const BlockComplex& complex, int vertex)
+void addVertexFeet(std::vector<Foot>& feet, const BlockComplex& complex, int vertex, int line)
 {
   const VertexStar star = vertexStar(complex, vertex);
   std::vector<Vec3> areas, offsets;
@@ -55,63 +58,46 @@ DepthScale scaleAtVertex(const BlockComplex& complex, int vertex)
       offsets.push_back(4.0 * (edge.point - star.point));
     }
   }
-  double faces = 0.0;
-  for (std::size_t f = 0; f < star.faces.size(); ++f)
+  for (const VertexStar::Face& face : star.faces)
   {
-    const VertexStar::Face& face = star.faces[f];
-    if (!face.boundary)
+    if (face.boundary)
     {
-      continue;
-    }
-    faces += 1.0;
-    offsets.push_back(face.point - star.point);
-    const auto edgeVector = [&](int e) { return Vec3(star.edges[e].point - star.point); };
-    const Vec3 area = edgeVector(face.edges[0]).cross(edgeVector(face.edges[1]));
-    // All areas point into the mesh.
-    const VertexStar::Block& block = star.blocks[face.blocks[0]];
-    for (int d = 0; d < 3; ++d)
-    {
-      if (block.faces[d] == static_cast<int>(f))
-      {
-        areas.push_back(area.dot(edgeVector(block.edges[d])) < 0.0 ? Vec3(-area) : area);
-      }
+      offsets.push_back(face.point - star.point);
+      const Vec3 first = star.edges[face.edges[0]].point - star.point;
+      areas.push_back(first.cross(star.edges[face.edges[1]].point - star.point));
     }
   }
-  const Vec3 area = sortedSum(areas);
-  return { area, std::abs(area.dot(sortedSum(offsets))) / (faces * (faces + 5.0)) };
+  const double n = static_cast<double>(areas.size());
+  const Vec3 delta = sortedSum(offsets) / (n * (n + 5.0));
+  for (const Vec3& area : areas)
+  {
+    addFoot(feet, line, star.point, area, delta);
+  }
 }
 
-/// The scales at every mesh point of a crease edge. Between its vertices delta is that of the mask [1/6 2/3 1/6].
-std::vector<DepthScale> depthScales(const BlockComplex& complex, int edge, const EdgeFan& fan)
+/// Of all mesh points of a crease edge. Between its vertices delta is that of the mask [1/6 2/3 1/6].
+std::vector<Foot> feetOf(const BlockComplex& complex, int edge, const EdgeFan& fan)
 {
   const ComplexEdge& shared = complex.edges[edge];
   const FanSector& first = fan.sectors.front();
   const FanSector& last = fan.sectors.back();
   const ComplexBlock& firstOwner = complex.blocks[first.block];
   const ComplexBlock& lastOwner = complex.blocks[last.block];
-  std::vector<DepthScale> scales(shared.cells + 1);
+  std::vector<Foot> feet;
+  addVertexFeet(feet, complex, shared.vertices[0], 0);
+  addVertexFeet(feet, complex, shared.vertices[1], shared.cells);
   for (int k = 1; k < shared.cells; ++k)
   {
     const auto pointAt = [&](int layer) { return firstOwner.points(first.point(firstOwner, layer, 0, 0)); };
+    const Vec3 x = pointAt(k);
     const Vec3 left = firstOwner.points(first.point(firstOwner, k, 1, 0));
     const Vec3 right = lastOwner.points(last.point(lastOwner, k, 0, 1));
-    scales[k].area = (left - right).cross(pointAt(k + 1) - pointAt(k - 1));
-    scales[k].rounding = std::abs(scales[k].area.dot((left + right) - 2.0 * pointAt(k))) / 6.0;
-  }
-  scales.front() = scaleAtVertex(complex, shared.vertices[0]);
-  scales.back() = scaleAtVertex(complex, shared.vertices[1]);
-  return scales;
-}
-
-std::vector<Foot> feetOf(const BlockComplex& complex, int edge, const EdgeFan& fan)
-{
-  const FanSector& start = fan.sectors.front();
-  const ComplexBlock& owner = complex.blocks[start.block];
-  std::vector<Foot> feet;
-  for (const DepthScale& scale : depthScales(complex, edge, fan))
-  {
-    const Vec3 x = owner.points(start.point(owner, static_cast<int>(feet.size()), 0, 0));
-    feet.push_back({ { x[0], x[1], x[2] }, { scale.area[0], scale.area[1], scale.area[2] }, scale.rounding });
+    const Vec3 along = pointAt(k + 1) - pointAt(k - 1);
+    const Vec3 delta = ((left + right) - 2.0 * x) / 6.0;
+    for (const Vec3& beside : { left, right })
+    {
+      addFoot(feet, k, x, (beside - x).cross(along), delta);
+    }
   }
   return feet;
 }
@@ -119,7 +105,7 @@ std::vector<Foot> feetOf(const BlockComplex& complex, int edge, const EdgeFan& f
 /// A block face seen from the edge at its foot: mesh lines m rise from the edge through points k = 0, 1, ...
 struct Column
 {
-  const std::vector<Foot>* feet; ///< of the crease where it starts, per m
+  const std::vector<Foot>* feet; ///< of the crease where it starts
   int block;
   int face;
   int edge;     ///< block edge at the foot
@@ -139,17 +125,16 @@ bool fillColumn(const BlockComplex& complex, const Column& column, double range,
   {
     return false;
   }
-  const int lines = static_cast<int>(column.feet->size());
   const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+  const int last = cells[faceAxis(column.face, column.axis())];
   const int rise = cells[faceAxis(column.face, 1 - column.axis())];
   FaceRule& rule = rules.faces[owner.faces[column.face]];
-  rule.keep.resize(std::size_t(lines) * (rise + 1), 0.0);
+  rule.keep.resize(std::size_t(last + 1) * (rise + 1), 0.0);
   bool reaches = false;
-  for (int m = 0; m < lines; ++m)
+  for (const Foot& foot : *column.feet)
   {
-    const Foot& foot = (*column.feet)[m];
     const double reach = range * foot.rounding;
-    const int along = column.against ? lines - 1 - m : m;
+    const int along = column.against ? last - foot.line : foot.line;
     for (int k = 0; k <= rise; ++k)
     {
       const int up = column.side() == 0 ? k : rise - k;
@@ -190,12 +175,14 @@ Column nextColumn(const Column& column, const EdgeFan& top)
 
 } // namespace
 
-void markCreaseColumns(const BlockComplex& complex, double range, EntityRules& rules, const Ranks& ranks)
+void markCreaseColumns(const BlockComplex& complex, double propagationRange, EntityRules& rules, const Ranks& ranks)
 {
-  if (range <= 0.0)
+  if (propagationRange <= 0.0)
   {
     return;
   }
+  // The default, 8, reaches four depths: where the cells of both sides are alike, two thirds of a cell.
+  const double range = 0.5 * propagationRange;
   std::vector<int> creases;
   for (std::size_t e = 0; e < complex.edges.size(); ++e)
   {

@@ -6,10 +6,12 @@
 /// delta = rule(p) - p. In a layer thinner than that the volume would fold. So the faces that rise from a crease keep
 /// their points as well, by a weight that fades out:
 ///
-///   w = max(0, 1 - d / (r |A delta|)),   d = |A (x - p)|
+///   w = max(0, 1 - min_f |A_f (x - p)| / (r |A_f delta|))
 ///
-/// x is the mesh point above p, r the range, and A the vector area of the surface around p: depths are measured by
-/// volumes, so that affine maps change nothing.
+/// x is the mesh point above p, r half the propagation range, and A_f the vector areas of the boundary quadrilaterals f
+/// at p; those whose plane contains delta do not count. Depths are measured by volumes, so that affine maps change
+/// nothing, and against each side of the crease: where one has long cells and the other short ones, as at blunt edges,
+/// delta is deep against the short ones only.
 #pragma once
 
 #include "Conversion/EntityRules.h"
@@ -19,7 +21,7 @@ namespace bsv
 
 /// Fills FaceRule::keep of every face that rises from a crease between two blocks, and of those that continue it
 /// through regular edges, until the weight has faded out. Collective; each rank fills in what it knows the points of.
-/// @param complex that of LocalStars. @param range r, a multiple of the depth of the rounding; 0 turns it off.
-void markCreaseColumns(const BlockComplex& complex, double range, EntityRules& rules, const Ranks& ranks);
+/// @param complex that of LocalStars. @param propagationRange 2 r; 0 turns it off.
+void markCreaseColumns(const BlockComplex& complex, double propagationRange, EntityRules& rules, const Ranks& ranks);
 
 } // namespace bsv

@@ -39,6 +39,8 @@ struct EdgeRule
   bool anchored = false;
   ControlPointRule rule = ControlPointRule::Regular;
 
+  /// Whether a single block lies at it: a convex edge of the block structure, if it is on the boundary.
+  bool oneBlock() const { return this->fans.size() == 1 && this->fans.front().sectors.size() == 1; }
   /// Interior edge of four blocks under the regular rule.
   bool regular() const { return this->rule == ControlPointRule::Regular; }
 };

@@ -25,7 +25,7 @@ void Converter::convertSurface(Star& star) const
   std::vector<int> features;
   std::vector<bool> kept, planar;
   std::vector<SpokeKeep> keeps;
-  bool body = true, wall = false;
+  bool body = true, wall = false, convexEdge = false;
   for (int i = 0; i < n; ++i)
   {
     fan.spokes.push_back(star.edges[spokes[i]].point);
@@ -36,6 +36,7 @@ void Converter::convertSurface(Star& star) const
     if (edgeRule.feature)
     {
       features.push_back(i);
+      convexEdge = convexEdge || edgeRule.oneBlock();
     }
     kept.push_back(edgeRule.anchored);
     planar.push_back(this->Rules.faces[star.faces[sectors[i]].face].planar());
@@ -59,9 +60,10 @@ void Converter::convertSurface(Star& star) const
     star.rule = ControlPointRule::PlanarSide;
     result = creasedFan(fan, {}, kept, planar, this->Options.twist, weights, keeps).points;
   }
-  else if (features.size() < 2 && n >= 3)
+  else if (n >= 3 && (features.empty() || (features.size() == 1 && !convexEdge)))
   {
-    // No feature, or one that ends here (a dart): smooth.
+    // No feature, or a crease that ends here (a dart): smooth. Where the edge of a single block ends, its three edges
+    // would lie in one plane: a corner.
     star.surfaceIsSmooth = features.empty();
     result = this->smoothSurfaceFan(star, fan, weights, keeps, body);
     star.rule = n == 4 ? this->Rules.boundaryRule(star.faces[sectors[0]].face)

@@ -55,6 +55,7 @@ void Converter::convertVertex(int vertex)
   if (star.boundary)
   {
     this->convertSurface(star);
+    this->moveEnd(star);
     if (!this->convertStacked(star))
     {
       this->convertAnchored(star);

@@ -133,17 +133,19 @@ void LimitRows::addVertex(const BlockComplex& complex, const EntityRules& rules,
     return wall.edgeId(edge.edge, edge.end == 0 ? 1 : complex.edges[edge.edge].cells - 1);
   };
   std::vector<int> features;
-  bool all = n > 0;
+  bool all = n > 0, convexEdge = false;
   for (int i = 0; i < n; ++i)
   {
-    if (rules.edges[star.edges[ring.edges[i]].edge].feature)
+    const EdgeRule& edgeRule = rules.edges[star.edges[ring.edges[i]].edge];
+    if (edgeRule.feature)
     {
       features.push_back(i);
+      convexEdge = convexEdge || edgeRule.oneBlock();
     }
     all = all && wall.isWall(star.faces[ring.faces[i]].face);
   }
   const int gap = features.size() == 2 ? features[1] - features[0] : 0;
-  if (all && features.size() < 2 && n >= 3)
+  if (all && n >= 3 && (features.empty() || (features.size() == 1 && !convexEdge)))
   {
     row.kind = Kind::Ring;
     row.next = n;

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Meshes without inverted cells become volumes without inverted spans.
+#include "Body/ClosestPoint.h"
+#include "Support/BodyCases.h"
+#include "Support/ConversionCases.h"
+#include "Support/MeshCases.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+using namespace bsv;
+using conversioncases::convert;
+using conversioncases::Converted;
+using meshcases::MeshCase;
+
+namespace
+{
+
+Index notProven(const Converted& converted)
+{
+  return conversioncases::provenValid(converted, [](int, const Ijk&) { return true; }).others;
+}
+
+/// Two blocks around a blunt edge, a convex corner of 90 degrees of the wall j = 0: long cells (a) on the side y = 0,
+/// cells of length 1 on the side x = 0. Columns rise at right angles, that of the corner in the direction (lean, 1).
+MeshCase bluntEdge(double a, double lean, double firstLayer)
+{
+  constexpr int Cells = 4, Layers = 24, Span = 3;
+  MeshCase mesh;
+  const auto height = [&](int k) { return firstLayer * (std::pow(1.5, k) - 1.0) / 0.5; };
+  const auto above = [&](const Vec3& foot, const Vec3& direction, int j, int k) {
+    return Vec3(foot + height(j) * direction + Vec3(0, 0, 0.5 * k));
+  };
+  const Vec3 corner(lean, 1, 0);
+  mesh.add({ Cells, Layers, Span }, [&](const Ijk& p) {
+    return above(Vec3(a * (p[0] - Cells), 0, 0), p[0] == Cells ? corner : Vec3(0, 1, 0), p[1], p[2]);
+  });
+  mesh.add({ Cells, Layers, Span },
+    [&](const Ijk& p) { return above(Vec3(0, -p[0], 0), p[0] == 0 ? corner : Vec3(1, 0, 0), p[1], p[2]); });
+  mesh.boundaryNames = { "wall" };
+  for (int b = 0; b < 2; ++b)
+  {
+    mesh.boundaries.push_back({ b, 2, { { 0, 0 }, { Cells, Span } }, 0 });
+  }
+  return mesh;
+}
+
+} // namespace
+
+// Both sides of the corner decide how far the crease reaches into the layers.
+TEST(ValidSpans, BluntEdges)
+{
+  ConversionOptions options;
+  options.roles = { BoundaryRole::Body };
+  for (const double ratio : { 1.0, 5.0, 15.0, 20.0, 50.0, 100.0 })
+  {
+    for (const double lean : { 1.0, 0.6, 0.3 })
+    {
+      for (const double firstLayer : { 1e-1, 1e-3, 1e-5 })
+      {
+        MeshCase mesh = bluntEdge(ratio, lean, firstLayer);
+        for (const double creaseAngle : { 30.0, 180.0 })
+        {
+          BlockComplexOptions complexOptions;
+          complexOptions.creaseAngle = creaseAngle;
+          EXPECT_EQ(notProven(convert(mesh.mesh(), options, complexOptions)), 0)
+            << "a / b " << ratio << ", lean " << lean << ", first layer " << firstLayer << ", crease angle "
+            << creaseAngle;
+        }
+      }
+    }
+  }
+}
+
+// The edge of a single block that runs out in a smooth surface: at its end the cell's three edges must not lie in one
+// plane.
+TEST(ValidSpans, EdgeOfOneBlockEndsAtACorner)
+{
+  // Five of the eight octants around a vertex: its only convex edge is that along y.
+  MeshCase mesh = meshcases::latticeBlocks({ { { 0, 0, 0 }, { 2, 2, 2 } }, { { 2, 0, 0 }, { 4, 2, 2 } },
+    { { 0, 2, 0 }, { 2, 4, 2 } }, { { 0, 0, 2 }, { 2, 2, 4 } }, { { 2, 0, 2 }, { 4, 2, 4 } } });
+  const Converted converted = convert(mesh.mesh());
+  EXPECT_EQ(notProven(converted), 0);
+}
+
+// All layers together are much thinner than the wall's cells.
+TEST(ValidSpans, ThinStacks)
+{
+  const std::vector<std::vector<Ijk>> bodies{ { { 0, 0, 0 } }, { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } } };
+  const BodySurface body(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  for (const std::vector<Ijk>& cubes : bodies)
+  {
+    for (const double firstLayer : { 1e-1, 1e-2, 1e-3, 1e-4, 1e-5 })
+    {
+      constexpr int Cells = 4;
+      std::vector<double> radii;
+      for (int k = 0; k <= 8; ++k)
+      {
+        radii.push_back(1.0 + firstLayer / Cells * k);
+      }
+      MeshCase mesh = meshcases::polycubeBody(cubes, Cells, radii);
+      mesh.apply([](const Vec3& x) { return Vec3(bodycases::starRadius(x.normalized()) * x); });
+      mesh.boundaryNames = { "wall" };
+      for (int b = 0; b < static_cast<int>(mesh.blocks.size()); ++b)
+      {
+        mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { Cells, Cells } }, 0 });
+      }
+      ConversionOptions options;
+      options.roles = { BoundaryRole::Body };
+      options.body = &body;
+      const Converted converted = convert(mesh.mesh(), options);
+      EXPECT_EQ(notProven(converted), 0) << cubes.size() << " cubes, first layer " << firstLayer;
+    }
+  }
+}
