@@ -179,8 +179,9 @@ struct WallPoints
 
 /// Decides how the wall's points are taken, and fits its control mesh: all of it if they lie on the body, else along
 /// the edges of the body.
-WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptions& options, int inputPoints,
-  const bsv::BoundaryPatterns& patterns, bsv::BodyFitOptions fit, const bsv::Execution& run)
+WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptions& options,
+  const bsv::EntityRules& rules, int inputPoints, const bsv::BoundaryPatterns& patterns, bsv::BodyFitOptions fit,
+  const bsv::Execution& run)
 {
   using Filter = vtkCatmullClarkToBSplineVolume;
   const bool wall = std::any_of(complex.faces.begin(), complex.faces.end(), [&](const bsv::ComplexFace& face) {
@@ -198,7 +199,7 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
   std::ostringstream text;
   if (options.body)
   {
-    const bsv::WallDistances distances = bsv::wallDistances(complex, options, *options.body, run);
+    const bsv::WallDistances distances = bsv::wallDistances(complex, rules, *options.body, run);
     text << "body of " << options.body->patches().size() << " patches: " << distances.wallPoints
          << " wall points, largest distance of the points " << distances.inputPoints
          << ", of their Catmull-Clark limit points " << distances.limitPoints << '\n';
@@ -212,7 +213,7 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
   if (result.onBody || options.body)
   {
     fit.edgesOnly = !result.onBody;
-    const bsv::BodyFitReport report = bsv::fitBody(complex, options, fit, run);
+    const bsv::BodyFitReport report = bsv::fitBody(complex, options, rules, fit, run);
     text << (result.onBody ? "wall" : "creases and borders of the wall") << " fitted in " << report.iterations
          << " iterations: limit points within " << report.residual << " of their targets, before "
          << report.initialResidual << "; wall points moved by up to " << report.displacement << '\n';
@@ -583,8 +584,9 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     fit.tolerance = this->FitTolerance;
     fit.iterations = this->FitIterations;
     fit.range = this->PropagationRange;
+    const bsv::EntityRules rules = bsv::classify(complex, options, execution(0.4, 0.4));
     const WallPoints wallPoints =
-      takeWallPoints(complex, options, this->InputPoints, this->BodyBoundaries, fit, execution(0.4, 0.5));
+      takeWallPoints(complex, options, rules, this->InputPoints, this->BodyBoundaries, fit, execution(0.4, 0.5));
 
     // Control nets of blocks on other ranks stay null.
     std::vector<vtkSmartPointer<vtkStructuredGrid>> nets(complex.blocks.size());
@@ -600,7 +602,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         names.push_back(complex.blocks[b].name);
       }
     });
-    const bsv::ConversionReport counts = bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0));
+    const bsv::ConversionReport counts =
+      bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0), &rules);
 
     const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
 

@@ -1,33 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-//
-// The rules of the body (SurfaceConversion.cpp) and those of the layers above disagree by more than a thin first layer.
-// So what the body rules changed is carried into the layers:
-//
-//   net_k <- layerRule(mesh_k) + w(d_k) (bodyNet - layerRule(mesh_0)),   w = max(0, 1 - d / (r h))
-//
-// d is the distance along the block edges that rise from the vertex, h the mean length of the surface's edges there, r
-// the propagation range. Where these edges end sooner, on a boundary that need not stay where it is, this boundary
-// moves by what is left of w: thin stacks of layers would fold otherwise. On planar sides, symmetry planes and other
-// bodies w ends with the edges.
-#include "Conversion/Converter.h"
+#include "Conversion/BodyPropagation.h"
+
+#include "Conversion/SurfaceConversion.h"
 #include "Ranks/OwnedValues.h"
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 namespace bsv
 {
 
-struct Converter::Link
+namespace
+{
+
+/// A run of layers across one edge above an extraordinary body vertex, from one end of the edge to the other.
+struct Link
 {
   int edge = -1;
   int end = 0; ///< of the edge where the run starts
   Fan delta;
   std::vector<double> distances; ///< per layer, in the edge's order
 };
-
-namespace
-{
 
 /// A message of numbers, read as it was written.
 class Numbers
@@ -73,19 +68,18 @@ private:
   std::size_t Next = 0;
 };
 
-} // namespace
-
-std::optional<std::pair<Converter::Link, double>> Converter::firstLink(int vertex) const
+/// The first above a boundary vertex, or nothing, and the range of what is carried along it.
+std::optional<std::pair<Link, double>> firstLink(const ConversionContext& context, int vertex)
 {
-  Star star = this->makeStar(vertex);
-  this->convertSurface(star);
-  const StackAxes axes = this->stackAxes(star);
+  Star star = makeStar(context, vertex);
+  convertSurface(context, star);
+  const StackAxes axes = stackAxes(context, star);
   if (!star.hasFoot || axes.up < 0 || axes.down >= 0)
   {
     return {};
   }
   const Star::EdgeInfo& info = star.info[axes.up];
-  Fan delta = this->starLayer(star, axes.up, 0);
+  Fan delta = starLayer(context, star, axes.up, 0);
   delta.center = star.center - delta.center;
   std::vector<double> lengths;
   for (int i = 0; i < delta.spokeCount(); ++i)
@@ -102,16 +96,17 @@ std::optional<std::pair<Converter::Link, double>> Converter::firstLink(int verte
   double reach = 0.0;
   for (const double length : lengths)
   {
-    reach += this->Options.propagationRange * length / static_cast<double>(lengths.size());
+    reach += context.options.propagationRange * length / static_cast<double>(lengths.size());
   }
   return std::make_pair(Link{ star.edges[axes.up].edge, star.edges[axes.up].end, delta, {} }, reach);
 }
 
-std::optional<Converter::Link> Converter::measure(Link& link, double distance, double range) const
+/// Fills the link's distances, which start at `distance`; the link that continues it, if there is one.
+std::optional<Link> measure(const ConversionContext& context, Link& link, double distance, double range)
 {
-  const ComplexEdge& edge = this->Complex.edges[link.edge];
-  const FanSector& sector = this->Rules.edges[link.edge].fans.front().sectors.front();
-  const ComplexBlock& owner = this->Complex.blocks[sector.block];
+  const ComplexEdge& edge = context.complex.edges[link.edge];
+  const FanSector& sector = context.rules.edges[link.edge].fans.front().sectors.front();
+  const ComplexBlock& owner = context.complex.blocks[sector.block];
   const auto pointAt = [&](
                          int k) { return owner.points(sector.point(owner, link.end == 0 ? k : edge.cells - k, 0, 0)); };
   link.distances.assign(edge.cells + 1, 0.0);
@@ -121,18 +116,18 @@ std::optional<Converter::Link> Converter::measure(Link& link, double distance, d
     link.distances[link.end == 0 ? k : edge.cells - k] = distance;
   }
   const int top = edge.vertices[1 - link.end];
-  if (distance >= range || this->Complex.vertices[top].boundary)
+  if (distance >= range || context.complex.vertices[top].boundary)
   {
     return {};
   }
-  const Star above = this->makeStar(top);
+  const Star above = makeStar(context, top);
   int down = 0;
   while (above.edges[down].edge != link.edge || above.edges[down].end != 1 - link.end)
   {
     ++down;
   }
   int up = 0;
-  while (up < static_cast<int>(above.edges.size()) && (up == down || !this->areStacked(above, up, down)))
+  while (up < static_cast<int>(above.edges.size()) && (up == down || !areStacked(context, above, up, down)))
   {
     ++up;
   }
@@ -159,39 +154,42 @@ std::optional<Converter::Link> Converter::measure(Link& link, double distance, d
   return next;
 }
 
-bool Converter::endMoves(const Link& link) const
+/// Whether the boundary where the link ends may move with the layers below it.
+bool endMoves(const ConversionContext& context, const Link& link)
 {
-  const int top = this->Complex.edges[link.edge].vertices[1 - link.end];
-  if (!this->Complex.vertices[top].boundary)
+  const int top = context.complex.edges[link.edge].vertices[1 - link.end];
+  if (!context.complex.vertices[top].boundary)
   {
     return false;
   }
-  const Star star = this->makeStar(top);
-  const StackAxes axes = this->stackAxes(star);
+  const Star star = makeStar(context, top);
+  const StackAxes axes = stackAxes(context, star);
   if (axes.up < 0 || axes.down >= 0 || star.edges[axes.up].edge != link.edge || star.edges[axes.up].end == link.end)
   {
     return false;
   }
   const bool free = std::all_of(star.faces.begin(), star.faces.end(), [&](const VertexStar::Face& face) {
-    const FaceRule& rule = this->Rules.faces[face.face];
+    const FaceRule& rule = context.rules.faces[face.face];
     return !face.boundary || (rule.role == BoundaryRole::Other && !rule.planar());
   });
   return free && std::all_of(star.edges.begin(), star.edges.end(), [&](const VertexStar::Edge& edge) {
-    return !edge.boundary || !this->Rules.edges[edge.edge].anchored;
+    return !edge.boundary || !context.rules.edges[edge.edge].anchored;
   });
 }
 
-void Converter::moveEnd(Star& star) const
+} // namespace
+
+void moveEnd(const ConversionContext& context, Star& star)
 {
   for (std::size_t e = 0; e < star.edges.size(); ++e)
   {
     const VertexStar::Edge& edge = star.edges[e];
-    const auto corrections = this->Corrections.find(edge.edge);
-    if (corrections == this->Corrections.end())
+    const auto corrections = context.corrections.find(edge.edge);
+    if (corrections == context.corrections.end())
     {
       continue;
     }
-    for (const Correction& correction : corrections->second)
+    for (const LayerCorrection& correction : corrections->second)
     {
       if (correction.movedEnd != edge.end)
       {
@@ -213,12 +211,13 @@ void Converter::moveEnd(Star& star) const
   }
 }
 
-void Converter::propagateFeet()
+LayerCorrections bodyCorrections(const ConversionContext& context, const Ranks& ranks)
 {
-  if (this->Options.propagationRange == 0.0 ||
-    (!this->Options.body && this->GivenPoints.empty() && this->GivenNormals.empty()))
+  LayerCorrections result;
+  if (context.options.propagationRange == 0.0 ||
+    (!context.options.body && context.given.points.empty() && context.given.normals.empty()))
   {
-    return;
+    return result;
   }
   const auto putLink = [](Numbers& numbers, const Link& link) {
     numbers.put(link.edge);
@@ -233,7 +232,7 @@ void Converter::propagateFeet()
     return link;
   };
 
-  // The chain of edges above each vertex. Collected first: the layer rule must not see corrections.
+  // The chain of edges above each vertex.
   struct Chain
   {
     double range;
@@ -242,19 +241,21 @@ void Converter::propagateFeet()
     std::vector<Link> links;
   };
   std::vector<int> vertices;
-  for (int v = 0; v < static_cast<int>(this->Complex.vertices.size()); ++v)
+  for (int v = 0; v < static_cast<int>(context.complex.vertices.size()); ++v)
   {
-    if (this->Complex.vertices[v].boundary)
+    if (context.complex.vertices[v].boundary)
     {
       vertices.push_back(v);
     }
   }
   const auto starts = gatherListsFromOwners<double>(
-    *this->Run.ranks, vertices.size(),
-    [&](std::size_t i) { return this->Complex.blocks[this->Complex.vertices[vertices[i]].corners.front().block].rank; },
+    ranks, vertices.size(),
+    [&](std::size_t i) {
+      return context.complex.blocks[context.complex.vertices[vertices[i]].corners.front().block].rank;
+    },
     [&](std::size_t i) {
       Numbers numbers;
-      if (const auto first = this->firstLink(vertices[i]))
+      if (const auto first = firstLink(context, vertices[i]))
       {
         numbers.put(first->second);
         putLink(numbers, first->first);
@@ -277,18 +278,18 @@ void Converter::propagateFeet()
   while (!growing.empty())
   {
     const auto steps = gatherListsFromOwners<double>(
-      *this->Run.ranks, growing.size(),
+      ranks, growing.size(),
       [&](std::size_t i) {
         const Link& link = chains[growing[i]].links.back();
-        return this->Complex.blocks[this->Rules.edges[link.edge].fans.front().sectors.front().block].rank;
+        return context.complex.blocks[context.rules.edges[link.edge].fans.front().sectors.front().block].rank;
       },
       [&](std::size_t i) {
         const Chain& chain = chains[growing[i]];
         Link link = chain.links.back();
-        const auto next = this->measure(link, chain.distance, chain.range);
+        const auto next = measure(context, link, chain.distance, chain.range);
         Numbers numbers(link.distances);
-        numbers.put(!next && this->endMoves(link) ? 1.0 : 0.0);
-        if (next && chain.links.size() <= this->Complex.edges.size())
+        numbers.put(!next && endMoves(context, link) ? 1.0 : 0.0);
+        if (next && chain.links.size() <= context.complex.edges.size())
         {
           putLink(numbers, *next);
         }
@@ -300,7 +301,7 @@ void Converter::propagateFeet()
       Chain& chain = chains[growing[i]];
       Link& link = chain.links.back();
       Numbers numbers(steps[i]);
-      link.distances.resize(this->Complex.edges[link.edge].cells + 1);
+      link.distances.resize(context.complex.edges[link.edge].cells + 1);
       std::generate(link.distances.begin(), link.distances.end(), [&] { return numbers.get(); });
       chain.endMoves = numbers.get() != 0.0;
       chain.distance = link.end == 0 ? link.distances.back() : link.distances.front();
@@ -317,7 +318,7 @@ void Converter::propagateFeet()
     const double range = chain.endMoves ? chain.range : std::min(chain.range, chain.distance);
     for (const Link& link : chain.links)
     {
-      Correction correction{ link.delta, {}, -1 };
+      LayerCorrection correction{ link.delta, {}, -1 };
       for (const double d : link.distances)
       {
         correction.weights.push_back(std::max(0.0, 1.0 - d / range));
@@ -326,9 +327,10 @@ void Converter::propagateFeet()
       {
         correction.movedEnd = 1 - link.end;
       }
-      this->Corrections[link.edge].push_back(correction);
+      result[link.edge].push_back(correction);
     }
   }
+  return result;
 }
 
 } // namespace bsv

@@ -15,6 +15,7 @@ namespace bsv
 {
 
 class BodySurface;
+struct EntityRules;
 
 /// What a named boundary is.
 enum class BoundaryRole : std::uint8_t
@@ -127,8 +128,10 @@ struct ConversionReport
 /// their terms: results are the same bits for any numbering and orientation of the blocks, any distribution of them
 /// over ranks and any `run`.
 ///
+/// @param rules the decisions of classify() for this complex, if they were needed before (its points may have been
+/// moved since then), else null.
 /// @throws Error for options out of range, Aborted if the caller stops it.
 ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
-  const std::vector<ControlNetStorage>& nets, const Execution& run = {});
+  const std::vector<ControlNetStorage>& nets, const Execution& run = {}, const EntityRules* rules = nullptr);
 
 } // namespace bsv

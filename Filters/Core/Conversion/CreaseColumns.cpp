@@ -116,9 +116,9 @@ struct Column
   int topEdge() const { return faceEdge(this->face, this->axis(), 1 - this->side()); }
 };
 
-/// Enlarges `keep` of the column's face at the points that are known here.
+/// Enlarges `keeps` of the column's face at the points that are known here.
 /// @return whether the weight has not faded out at the top.
-bool fillColumn(const BlockComplex& complex, const Column& column, double range, EntityRules& rules)
+bool fillColumn(const BlockComplex& complex, const Column& column, double range, FaceKeeps& keeps)
 {
   const ComplexBlock& owner = complex.blocks[column.block];
   if (owner.points.isElsewhere())
@@ -128,8 +128,8 @@ bool fillColumn(const BlockComplex& complex, const Column& column, double range,
   const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
   const int last = cells[faceAxis(column.face, column.axis())];
   const int rise = cells[faceAxis(column.face, 1 - column.axis())];
-  FaceRule& rule = rules.faces[owner.faces[column.face]];
-  rule.keep.resize(std::size_t(last + 1) * (rise + 1), 0.0);
+  std::vector<double>& values = keeps[owner.faces[column.face]];
+  values.resize(std::size_t(last + 1) * (rise + 1), 0.0);
   bool reaches = false;
   for (const Foot& foot : *column.feet)
   {
@@ -148,7 +148,7 @@ bool fillColumn(const BlockComplex& complex, const Column& column, double range,
       const Vec3 offset = owner.points(ijk) - Vec3(foot.point.data());
       const double depth = std::abs(Vec3(foot.area.data()).dot(offset));
       const double weight = depth < reach ? 1.0 - depth / reach : 0.0;
-      double& keep = rule.keep[keepIndex(complex, column.block, column.face, s, t)];
+      double& keep = values[keepIndex(complex, column.block, column.face, s, t)];
       keep = std::max(keep, weight);
       reaches = reaches || (k == rise && weight > 0.0);
     }
@@ -175,11 +175,30 @@ Column nextColumn(const Column& column, const EdgeFan& top)
 
 } // namespace
 
-void markCreaseColumns(const BlockComplex& complex, double propagationRange, EntityRules& rules, const Ranks& ranks)
+std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, int t)
 {
+  const ComplexFace& shared = complex.faces[complex.blocks[block].faces[face]];
+  const FaceUse& first = shared.uses.front();
+  const ComplexBlock& owner = complex.blocks[block];
+  int ns = owner.cells(faceAxis(face, 0));
+  if (first.block != block || first.face != face)
+  {
+    const int orientation = inverseOrientation(shared.orientation);
+    const std::array<int, 2> st = mapFacePoint(orientation, s, t, ns, owner.cells(faceAxis(face, 1)));
+    s = st[0];
+    t = st[1];
+    ns = complex.blocks[first.block].cells(faceAxis(first.face, 0));
+  }
+  return s + std::size_t(ns + 1) * t;
+}
+
+FaceKeeps creaseColumns(
+  const BlockComplex& complex, double propagationRange, const EntityRules& rules, const Ranks& ranks)
+{
+  FaceKeeps keeps(complex.faces.size());
   if (propagationRange <= 0.0)
   {
-    return;
+    return keeps;
   }
   // The default, 8, reaches four depths: where the cells of both sides are alike, two thirds of a cell.
   const double range = 0.5 * propagationRange;
@@ -212,7 +231,7 @@ void markCreaseColumns(const BlockComplex& complex, double propagationRange, Ent
     ranks.together([&] {
       for (const Column& column : columns)
       {
-        fills.push_back(fillColumn(complex, column, range, rules));
+        fills.push_back(fillColumn(complex, column, range, keeps));
       }
     });
     const std::vector<char> reaches = gatherFromOwners<char>(
@@ -229,6 +248,7 @@ void markCreaseColumns(const BlockComplex& complex, double propagationRange, Ent
     }
     columns = std::move(next);
   }
+  return keeps;
 }
 
 } // namespace bsv

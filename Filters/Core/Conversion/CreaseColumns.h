@@ -16,12 +16,24 @@
 
 #include "Conversion/EntityRules.h"
 
+#include <cstddef>
+#include <vector>
+
 namespace bsv
 {
 
-/// Fills FaceRule::keep of every face that rises from a crease between two blocks, and of those that continue it
-/// through regular edges, until the weight has faded out. Collective; each rank fills in what it knows the points of.
+/// Per face how far its mesh points are kept as they are, from 0 (the smooth mask across the face) to 1; one value per
+/// point, in the axes of the face's first use, s fastest. Empty: smooth. Only at points that are known on this rank, 0
+/// at others.
+using FaceKeeps = std::vector<std::vector<double>>;
+
+/// Place of mesh point (s, t) of a block's face in the values of its face.
+std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, int t);
+
+/// Of every face that rises from a crease between two blocks, and of those that continue it through regular edges,
+/// until the weight has faded out. Collective; each rank fills in what it knows the points of.
 /// @param complex that of LocalStars. @param propagationRange 2 r; 0 turns it off.
-void markCreaseColumns(const BlockComplex& complex, double propagationRange, EntityRules& rules, const Ranks& ranks);
+FaceKeeps creaseColumns(
+  const BlockComplex& complex, double propagationRange, const EntityRules& rules, const Ranks& ranks);
 
 } // namespace bsv

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Conversion/Converter.h"
+#include "Conversion/EdgeConversion.h"
 
 #include <algorithm>
 #include <iterator>
@@ -7,63 +7,92 @@
 namespace bsv
 {
 
-Fan Converter::meshFan(const EdgeFan& fan, int k) const
+double layerRatio(const ConversionContext& context, int block, int face, const Ijk& point, const Ijk& reference)
+{
+  if (!context.layer.varies(block, face))
+  {
+    return 1.0;
+  }
+  const double weight = context.layer.weight(block, face, point);
+  const double other = context.layer.weight(block, face, reference);
+  return weight == other ? 1.0 : (1.0 - weight) / (1.0 - other);
+}
+
+double keepAt(const ConversionContext& context, int block, int face, const Ijk& point)
+{
+  const std::vector<double>& keep = context.keeps[context.complex.blocks[block].faces[face]];
+  return keep.empty()
+    ? 0.0
+    : keep[keepIndex(context.complex, block, face, point[faceAxis(face, 0)], point[faceAxis(face, 1)])];
+}
+
+std::vector<SpokeKeep> spokeKeeps(const ConversionContext& context, const EdgeFan& fan, int k)
+{
+  std::vector<SpokeKeep> keeps(fan.spokeCount());
+  for (int i = 0; i < fan.spokeCount(); ++i)
+  {
+    const auto [sector, which] = fan.spoke(i);
+    const ComplexBlock& owner = context.complex.blocks[sector->block];
+    const int face = sector->spokeFace(which);
+    keeps[i].center = keepAt(context, sector->block, face, sector->point(owner, k, 0, 0));
+    keeps[i].step =
+      keepAt(context, sector->block, face, sector->point(owner, k, which == 0 ? 1 : 0, which == 0 ? 0 : 1));
+  }
+  return keeps;
+}
+
+namespace
+{
+
+/// Mesh points of layer k.
+Fan meshFan(const ConversionContext& context, const EdgeFan& fan, int k)
 {
   Fan result;
   result.closed = fan.closed;
   for (const FanSector& sector : fan.sectors)
   {
-    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    const ComplexBlock& owner = context.complex.blocks[sector.block];
     result.center = owner.points(sector.point(owner, k, 0, 0));
     result.spokes.push_back(owner.points(sector.point(owner, k, 1, 0)));
     result.sectors.push_back(owner.points(sector.point(owner, k, 1, 1)));
   }
   if (!fan.closed)
   {
-    const ComplexBlock& owner = this->Complex.blocks[fan.sectors.back().block];
+    const ComplexBlock& owner = context.complex.blocks[fan.sectors.back().block];
     result.spokes.push_back(owner.points(fan.sectors.back().point(owner, k, 0, 1)));
   }
   return result;
 }
 
-std::vector<double> Converter::nearWeights(const EdgeFan& fan, int k) const
+/// Weight of the edge in the inserted points along each spoke of layer k.
+std::vector<double> nearWeights(const ConversionContext& context, const EdgeFan& fan, int k)
 {
   // The second spoke of a sector leaves the block face on which the first one lies, and the other way round.
   std::vector<double> weights(fan.spokeCount(), KnotInsertion);
   for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
   {
     const FanSector& sector = fan.sectors[i];
-    const Ijk point = sector.point(this->Complex.blocks[sector.block], k, 0, 0);
+    const Ijk point = sector.point(context.complex.blocks[sector.block], k, 0, 0);
     for (const int which : { 0, 1 })
     {
       double& weight = weights[(i + 1 - which) % fan.spokeCount()];
-      const double own = this->Layer.weight(sector.block, sector.spokeFace(which), point);
+      const double own = context.layer.weight(sector.block, sector.spokeFace(which), point);
       weight = own == KnotInsertion ? weight : weight == KnotInsertion ? own : std::max(weight, own);
     }
   }
   return weights;
 }
 
-double Converter::layerRatio(int block, int face, const Ijk& point, const Ijk& reference) const
-{
-  if (!this->Layer.varies(block, face))
-  {
-    return 1.0;
-  }
-  const double weight = this->Layer.weight(block, face, point);
-  const double other = this->Layer.weight(block, face, reference);
-  return weight == other ? 1.0 : (1.0 - weight) / (1.0 - other);
-}
-
-void Converter::adjustSectors(Fan& points, const EdgeFan& fan, int k) const
+/// Moves points as controlFan() says, in sectors whose spokes leave a wall or connection layer.
+void adjustSectors(const ConversionContext& context, Fan& points, const EdgeFan& fan, int k)
 {
   for (int i = 0; i < points.sectorCount(); ++i)
   {
     const FanSector& sector = fan.sectors[i];
-    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    const ComplexBlock& owner = context.complex.blocks[sector.block];
     const Ijk center = sector.point(owner, k, 0, 0);
-    const double first = this->layerRatio(sector.block, sector.spokeFace(0), sector.point(owner, k, 1, 0), center);
-    const double second = this->layerRatio(sector.block, sector.spokeFace(1), sector.point(owner, k, 0, 1), center);
+    const double first = layerRatio(context, sector.block, sector.spokeFace(0), sector.point(owner, k, 1, 0), center);
+    const double second = layerRatio(context, sector.block, sector.spokeFace(1), sector.point(owner, k, 0, 1), center);
     const Vec3 point = points.sectors[i];
     const Vec3 offsets[2] = { (first - 1.0) * (point - points.spokes[i]),
       (second - 1.0) * (point - points.spokes[points.nextSpoke(i)]) };
@@ -74,34 +103,14 @@ void Converter::adjustSectors(Fan& points, const EdgeFan& fan, int k) const
   }
 }
 
-double Converter::keepAt(int block, int face, const Ijk& point) const
+/// The same above the layer `base`.
+void adjustLayer(const ConversionContext& context, Fan& points, const EdgeFan& fan, int base)
 {
-  const std::vector<double>& keep = this->Rules.faces[this->Complex.blocks[block].faces[face]].keep;
-  return keep.empty() ? 0.0
-                      : keep[keepIndex(this->Complex, block, face, point[faceAxis(face, 0)], point[faceAxis(face, 1)])];
-}
-
-std::vector<SpokeKeep> Converter::spokeKeeps(const EdgeFan& fan, int k) const
-{
-  std::vector<SpokeKeep> keeps(fan.spokeCount());
-  for (int i = 0; i < fan.spokeCount(); ++i)
-  {
-    const auto [sector, which] = fan.spoke(i);
-    const ComplexBlock& owner = this->Complex.blocks[sector->block];
-    const int face = sector->spokeFace(which);
-    keeps[i].center = this->keepAt(sector->block, face, sector->point(owner, k, 0, 0));
-    keeps[i].step = this->keepAt(sector->block, face, sector->point(owner, k, which == 0 ? 1 : 0, which == 0 ? 0 : 1));
-  }
-  return keeps;
-}
-
-void Converter::adjustLayer(Fan& points, const EdgeFan& fan, int base) const
-{
-  const Fan below = this->meshFan(fan, base);
+  const Fan below = meshFan(context, fan, base);
   const auto ratioAt = [&](const FanSector& sector, int a, int b) {
-    const ComplexBlock& owner = this->Complex.blocks[sector.block];
+    const ComplexBlock& owner = context.complex.blocks[sector.block];
     const bool upper = sector.reversed ? base == 0 : base != 0;
-    return this->layerRatio(sector.block, 2 * sector.along + (upper ? 1 : 0), sector.point(owner, base, a, b),
+    return layerRatio(context, sector.block, 2 * sector.along + (upper ? 1 : 0), sector.point(owner, base, a, b),
       sector.point(owner, base, 0, 0));
   };
   std::vector<double> spokes(points.spokeCount(), 1.0);
@@ -123,26 +132,28 @@ void Converter::adjustLayer(Fan& points, const EdgeFan& fan, int base) const
   }
 }
 
-Fan Converter::controlFan(int edge, const EdgeFan& fan, int k, int base) const
+} // namespace
+
+Fan controlFan(const ConversionContext& context, int edge, const EdgeFan& fan, int k, int base)
 {
-  Fan points = this->meshFan(fan, k);
-  this->adjustSectors(points, fan, k);
+  Fan points = meshFan(context, fan, k);
+  adjustSectors(context, points, fan, k);
   if (base >= 0)
   {
-    this->adjustLayer(points, fan, base);
+    adjustLayer(context, points, fan, base);
   }
-  const std::vector<double> weights = this->nearWeights(fan, k);
-  const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
-  if (!this->Rules.edges[edge].anchored)
+  const std::vector<double> weights = nearWeights(context, fan, k);
+  const std::vector<SpokeKeep> keeps = spokeKeeps(context, fan, k);
+  if (!context.rules.edges[edge].anchored)
   {
-    Fan result = fadedFan(points, this->Options.twist, weights, keeps);
-    const auto corrections = this->Corrections.find(edge);
-    if (corrections != this->Corrections.end())
+    Fan result = fadedFan(points, context.options.twist, weights, keeps);
+    const auto corrections = context.corrections.find(edge);
+    if (corrections != context.corrections.end())
     {
       // At most one comes from either end: their sum does not depend on the order.
       const auto correct = [&](Vec3& point, const auto& deltaOf) {
         Vec3 sum = Vec3::Zero();
-        for (const Correction& correction : corrections->second)
+        for (const LayerCorrection& correction : corrections->second)
         {
           sum += correction.weights[k] * deltaOf(correction.delta);
         }
@@ -164,8 +175,8 @@ Fan Converter::controlFan(int edge, const EdgeFan& fan, int k, int base) const
   const int sectors = points.sectorCount();
   for (int i = 0; i < points.spokeCount(); ++i)
   {
-    const int face = fan.faceOf(this->Complex, i);
-    if (!this->Complex.faces[face].boundary() && !this->Rules.faces[face].planar())
+    const int face = fan.faceOf(context.complex, i);
+    if (!context.complex.faces[face].boundary() && !context.rules.faces[face].planar())
     {
       along[i] = fadedMask(
         points.sectors[(i + sectors - 1) % sectors], points.spokes[i], points.sectors[i % sectors], keeps[i].step);
@@ -174,17 +185,17 @@ Fan Converter::controlFan(int edge, const EdgeFan& fan, int k, int base) const
   return anchoredFan(points, points.center, along, weights);
 }
 
-void Converter::convertEdge(int edge)
+void convertEdge(const ConversionContext& context, int edge)
 {
-  const ComplexEdge& shared = this->Complex.edges[edge];
-  const EdgeRule& edgeRule = this->Rules.edges[edge];
+  const ComplexEdge& shared = context.complex.edges[edge];
+  const EdgeRule& edgeRule = context.rules.edges[edge];
   for (const EdgeFan& fan : edgeRule.fans)
   {
     const bool ordinary = edgeRule.rule != ControlPointRule::ExtraordinaryEdge;
     bool connection = false;
     for (int i = 0; i < fan.spokeCount(); ++i)
     {
-      connection = connection || this->Rules.faces[fan.faceOf(this->Complex, i)].connection;
+      connection = connection || context.rules.faces[fan.faceOf(context.complex, i)].connection;
     }
     const auto ruleOf = [&](double weightFirst, double weightSecond) {
       return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? layerRule(connection)
@@ -192,9 +203,9 @@ void Converter::convertEdge(int edge)
     };
     for (int k = 1; k < shared.cells; ++k)
     {
-      const std::vector<double> weights = this->nearWeights(fan, k);
-      const Fan values = this->controlFan(edge, fan, k);
-      const std::vector<SpokeKeep> keeps = this->spokeKeeps(fan, k);
+      const std::vector<double> weights = nearWeights(context, fan, k);
+      const Fan values = controlFan(context, edge, fan, k);
+      const std::vector<SpokeKeep> keeps = spokeKeeps(context, fan, k);
       std::vector<bool> kept;
       std::transform(
         keeps.begin(), keeps.end(), std::back_inserter(kept), [](const SpokeKeep& keep) { return keep.any(); });
@@ -206,14 +217,14 @@ void Converter::convertEdge(int edge)
       for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
       {
         const FanSector& sector = fan.sectors[i];
-        const ComplexBlock& owner = this->Complex.blocks[sector.block];
+        const ComplexBlock& owner = context.complex.blocks[sector.block];
         const int next = (i + 1) % fan.spokeCount();
         const auto put = [&](int a, int b, const Vec3& point, ControlPointRule rule) {
           Ijk ijk;
           ijk[sector.along] = innerPosition(sector.reversed ? shared.cells - k : k);
           ijk[sector.first] = endPosition(sector.side(sector.first), a, owner.cells(sector.first));
           ijk[sector.second] = endPosition(sector.side(sector.second), b, owner.cells(sector.second));
-          this->write(sector.block, ijk, point, rule);
+          context.write(sector.block, ijk, point, rule);
         };
         put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
         put(1, 0, values.spokes[i], spokeRule(i));

@@ -2,7 +2,6 @@
 #include "Conversion/EntityRules.h"
 
 #include "Complex/FacePoints.h"
-#include "Conversion/CreaseColumns.h"
 #include "Ranks/OwnedValues.h"
 
 #include <Eigen/Eigenvalues>
@@ -392,23 +391,6 @@ ControlPointRule EntityRules::boundaryRule(int face) const
   }
 }
 
-std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, int t)
-{
-  const ComplexFace& shared = complex.faces[complex.blocks[block].faces[face]];
-  const FaceUse& first = shared.uses.front();
-  const ComplexBlock& owner = complex.blocks[block];
-  int ns = owner.cells(faceAxis(face, 0));
-  if (first.block != block || first.face != face)
-  {
-    const int orientation = inverseOrientation(shared.orientation);
-    const std::array<int, 2> st = mapFacePoint(orientation, s, t, ns, owner.cells(faceAxis(face, 1)));
-    s = st[0];
-    t = st[1];
-    ns = complex.blocks[first.block].cells(faceAxis(first.face, 0));
-  }
-  return s + std::size_t(ns + 1) * t;
-}
-
 EntityRules classify(const BlockComplex& complex, const ConversionOptions& options, const Execution& run)
 {
   return classify(LocalStars(complex, *run.ranks), options, run);
@@ -474,7 +456,6 @@ EntityRules classify(const LocalStars& stars, const ConversionOptions& options, 
     EdgeRule& rule = rules.edges[e];
     rule = edgeRule(complex, rules.faces, e, std::move(rule.fans));
   });
-  markCreaseColumns(complex, options.propagationRange, rules, *run.ranks);
   return rules;
 }
 

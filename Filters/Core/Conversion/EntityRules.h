@@ -18,11 +18,6 @@ struct FaceRule
   BoundaryRole role = BoundaryRole::Other;
   /// The planar side that this face belongs to, whose points are kept (ConversionOptions::planarSides), or -1.
   int planarSide = -1;
-  /// Of an inner face that rises from a crease: how far its mesh points are kept as they are, from 0 (the smooth mask
-  /// across the face) to 1; one value per point, in the axes of the face's first use, s fastest. Empty: smooth.
-  /// Only at points that are known on this rank, 0 at others.
-  std::vector<double> keep;
-
   /// Inner face of a side to which a far-field extension is attached.
   bool connection = false;
 
@@ -57,10 +52,7 @@ struct EntityRules
   ControlPointRule boundaryRule(int face) const;
 };
 
-/// Place of mesh point (s, t) of a block's face in FaceRule::keep.
-std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, int t);
-
-/// The same on all ranks, but for FaceRule::keep. Collective.
+/// The same on all ranks. Collective.
 ///@{
 EntityRules classify(const BlockComplex& complex, const ConversionOptions& options, const Execution& run);
 EntityRules classify(const LocalStars& stars, const ConversionOptions& options, const Execution& run);

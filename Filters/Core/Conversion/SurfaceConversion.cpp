@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Conversion/SurfaceConversion.h"
+
 #include "Body/ClosestPoint.h"
-#include "Conversion/Converter.h"
+#include "Conversion/EdgeConversion.h"
 #include "Ranks/OwnedValues.h"
 
 #include <algorithm>
@@ -10,12 +12,124 @@
 namespace bsv
 {
 
-void Converter::convertSurface(Star& star) const
+namespace
+{
+
+bool bodyFoot(const ConversionContext& context, const Star& star, const Fan& fan, BodyFoot& foot)
+{
+  const auto givenAt = [&](const std::map<int, Vec3>& given, Vec3& value) {
+    const auto found = given.find(star.vertex);
+    value = found == given.end() ? value : found->second;
+    return found != given.end();
+  };
+  const bool hasPoint = givenAt(context.given.points, foot.point);
+  const bool hasNormal = givenAt(context.given.normals, foot.normal) && foot.normal.norm() > 0.0;
+  if (!hasPoint && !hasNormal && !context.options.body)
+  {
+    return false;
+  }
+  const Vec3 limit = smoothFan(fan, context.options.twist, std::vector<double>(fan.spokeCount(), KnotInsertion)).center;
+  if (context.options.body && !hasPoint && !hasNormal)
+  {
+    const BodyPoint closest = context.options.body->closestPoint(limit);
+    const SurfaceGeometry& geometry = closest.geometry;
+    foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+    if (context.options.twist == Twist::Literal)
+    {
+      foot.mixedDerivative = evaluate(context.options.body->patches()[closest.patch].surface, closest.u, closest.v).uv;
+    }
+    return geometry.normal.norm() > 0.0;
+  }
+  if (!hasPoint)
+  {
+    foot.point = limit;
+  }
+  foot.normal = hasNormal ? Vec3(foot.normal.normalized()) : limitNormal(fan);
+  return true;
+}
+
+/// The closest point to the centre of `points` on the body's patch whose normal is nearest to that of `size` sectors of
+/// `points` from `first` on.
+bool sectorFoot(const ConversionContext& context, const Fan& points, int first, int size, BodyFoot& foot)
+{
+  if (!context.options.body)
+  {
+    return false;
+  }
+  const int n = points.sectorCount();
+  Vec3 normal = Vec3::Zero();
+  double length = 0.0;
+  for (int i = 0; i < size; ++i)
+  {
+    const Vec3 a = points.spokes[(first + i) % n] - points.center;
+    const Vec3 b = points.spokes[(first + i + 1) % n] - points.center;
+    normal += a.cross(b);
+    length = std::max({ length, a.norm(), b.norm() });
+  }
+  // Patches that meet at the crease; a crease that no edge of the body explains has one foot for both sides.
+  double best = 0.0;
+  for (const BodyPoint& point : context.options.body->closestPointPerPatch(points.center, 1e-3 * length))
+  {
+    // Of equals the first: rounding must not decide.
+    const double fits = std::abs(point.geometry.normal.dot(normal)) / normal.norm();
+    if (fits > best + 1e-9)
+    {
+      best = fits;
+      const SurfaceGeometry& geometry = point.geometry;
+      foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
+      if (context.options.twist == Twist::Literal)
+      {
+        foot.mixedDerivative = evaluate(context.options.body->patches()[point.patch].surface, point.u, point.v).uv;
+      }
+    }
+  }
+  return best > 0.0;
+}
+
+/// Smooth fan; on the body with the closest point and normal of an extraordinary vertex, if they are known.
+Fan smoothSurfaceFan(const ConversionContext& context, Star& star, const Fan& fan, const std::vector<double>& weights,
+  const std::vector<SpokeKeep>& keeps, bool body)
+{
+  BodyFoot foot{ Vec3::Zero(), Vec3::Zero() };
+  star.hasFoot = body && fan.sectorCount() != 4 && bodyFoot(context, star, fan, foot);
+  return star.hasFoot ? projectedFan(fan, foot, context.options.twist)
+                      : fadedFan(fan, context.options.twist, weights, keeps);
+}
+
+void convertTouchingSurfaces(Star& star)
+{
+  // Surfaces touch at a point or along an edge: nothing is smooth here.
+  star.rule = ControlPointRule::Corner;
+  for (std::size_t e = 0; e < star.edges.size(); ++e)
+  {
+    if (star.edges[e].boundary)
+    {
+      star.edgePoints[e] = insertMask(star.center, star.edges[e].point, star.near[e]);
+      star.edgeRules[e] = ControlPointRule::Corner;
+    }
+  }
+  for (std::size_t f = 0; f < star.faces.size(); ++f)
+  {
+    if (!star.faces[f].boundary)
+    {
+      continue;
+    }
+    const auto& ends = star.faces[f].edges;
+    const Vec3 corners[4] = { star.center, star.edges[ends[0]].point, star.edges[ends[1]].point, star.faces[f].point };
+    const double weights[2] = { star.near[ends[0]], star.near[ends[1]] };
+    star.facePoints[f] = multilinear(corners, weights, 2);
+    star.faceRules[f] = ControlPointRule::Corner;
+  }
+}
+
+} // namespace
+
+void convertSurface(const ConversionContext& context, Star& star)
 {
   const auto [spokes, sectors] = boundaryRing(star);
   if (sectors.empty())
   {
-    this->convertTouchingSurfaces(star);
+    convertTouchingSurfaces(star);
     return;
   }
   const int n = static_cast<int>(spokes.size());
@@ -32,25 +146,25 @@ void Converter::convertSurface(Star& star) const
     fan.sectors.push_back(star.faces[sectors[i]].point);
     weights.push_back(star.near[spokes[i]]);
     const VertexStar::Edge& edge = star.edges[spokes[i]];
-    const EdgeRule& edgeRule = this->Rules.edges[edge.edge];
+    const EdgeRule& edgeRule = context.rules.edges[edge.edge];
     if (edgeRule.feature)
     {
       features.push_back(i);
       convexEdge = convexEdge || edgeRule.oneBlock();
     }
     kept.push_back(edgeRule.anchored);
-    planar.push_back(this->Rules.faces[star.faces[sectors[i]].face].planar());
+    planar.push_back(context.rules.faces[star.faces[sectors[i]].face].planar());
     // A face that rises from a crease and ends in this surface.
     keeps.emplace_back();
     const EdgeFan& edgeFan = edgeRule.fans.front();
     if (edgeRule.fans.size() == 1 && edgeFan.sectors.size() == 2)
     {
-      const int cells = this->Complex.edges[edge.edge].cells;
-      keeps.back().center = this->spokeKeeps(edgeFan, edge.end == 0 ? 0 : cells)[1].center;
-      keeps.back().step = this->spokeKeeps(edgeFan, edge.end == 0 ? 1 : cells - 1)[1].center;
+      const int cells = context.complex.edges[edge.edge].cells;
+      keeps.back().center = spokeKeeps(context, edgeFan, edge.end == 0 ? 0 : cells)[1].center;
+      keeps.back().step = spokeKeeps(context, edgeFan, edge.end == 0 ? 1 : cells - 1)[1].center;
     }
-    body = body && this->isWall(star.faces[sectors[i]].face);
-    wall = wall || this->isWall(star.faces[sectors[i]].face);
+    body = body && context.isWall(star.faces[sectors[i]].face);
+    wall = wall || context.isWall(star.faces[sectors[i]].face);
   }
 
   // Where the side of a far-field extension ends in a symmetry plane or another boundary, it keeps its points.
@@ -58,21 +172,21 @@ void Converter::convertSurface(Star& star) const
   if ((star.connection && !wall) || planar == std::vector<bool>(n, true))
   {
     star.rule = ControlPointRule::PlanarSide;
-    result = creasedFan(fan, {}, kept, planar, this->Options.twist, weights, keeps).points;
+    result = creasedFan(fan, {}, kept, planar, context.options.twist, weights, keeps).points;
   }
   else if (n >= 3 && (features.empty() || (features.size() == 1 && !convexEdge)))
   {
     // No feature, or a crease that ends here (a dart): smooth. Where the edge of a single block ends, its three edges
     // would lie in one plane: a corner.
     star.surfaceIsSmooth = features.empty();
-    result = this->smoothSurfaceFan(star, fan, weights, keeps, body);
-    star.rule = n == 4 ? this->Rules.boundaryRule(star.faces[sectors[0]].face)
+    result = smoothSurfaceFan(context, star, fan, weights, keeps, body);
+    star.rule = n == 4 ? context.rules.boundaryRule(star.faces[sectors[0]].face)
       : body           ? ControlPointRule::BodyExtraordinaryVertex
                        : ControlPointRule::Boundary;
   }
   else
   {
-    const CreasedFan creased = creasedFan(fan, features, kept, planar, this->Options.twist, weights, keeps);
+    const CreasedFan creased = creasedFan(fan, features, kept, planar, context.options.twist, weights, keeps);
     result = creased.points;
     star.rule = creased.crease ? ControlPointRule::Crease : ControlPointRule::Corner;
     if (creased.crease)
@@ -84,9 +198,9 @@ void Converter::convertSurface(Star& star) const
         const int size = (features[1 - c] - features[c] + n) % n;
         const bool anyPlanar = std::find(planar.begin(), planar.end(), true) != planar.end();
         BodyFoot foot;
-        if (body && !anyPlanar && size > 2 && this->sectorFoot(result, features[c], size, foot))
+        if (body && !anyPlanar && size > 2 && sectorFoot(context, result, features[c], size, foot))
         {
-          projectGroup(result, features[c], size, foot, this->Options.twist);
+          projectGroup(result, features[c], size, foot, context.options.twist);
           star.hasFoot = true;
         }
       }
@@ -103,7 +217,7 @@ void Converter::convertSurface(Star& star) const
     }
     else if (crease)
     {
-      sectorRules[i] = this->Rules.boundaryRule(star.faces[sectors[i]].face);
+      sectorRules[i] = context.rules.boundaryRule(star.faces[sectors[i]].face);
     }
     if (!isFeature(i) && crease)
     {
@@ -135,53 +249,27 @@ void Converter::convertSurface(Star& star) const
   }
 }
 
-void Converter::convertTouchingSurfaces(Star& star) const
+GivenFeet givenFeet(const BlockComplex& complex, const ConversionOptions& options, const Ranks& ranks)
 {
-  // Surfaces touch at a point or along an edge: nothing is smooth here.
-  star.rule = ControlPointRule::Corner;
-  for (std::size_t e = 0; e < star.edges.size(); ++e)
-  {
-    if (star.edges[e].boundary)
-    {
-      star.edgePoints[e] = insertMask(star.center, star.edges[e].point, star.near[e]);
-      star.edgeRules[e] = ControlPointRule::Corner;
-    }
-  }
-  for (std::size_t f = 0; f < star.faces.size(); ++f)
-  {
-    if (!star.faces[f].boundary)
-    {
-      continue;
-    }
-    const auto& ends = star.faces[f].edges;
-    const Vec3 corners[4] = { star.center, star.edges[ends[0]].point, star.edges[ends[1]].point, star.faces[f].point };
-    const double weights[2] = { star.near[ends[0]], star.near[ends[1]] };
-    star.facePoints[f] = multilinear(corners, weights, 2);
-    star.faceRules[f] = ControlPointRule::Corner;
-  }
-}
-
-void Converter::collectGiven()
-{
+  GivenFeet given;
   const auto isGiven = [&](const std::vector<const double*>& arrays) {
-    return this->Run.ranks->any(
-      std::any_of(arrays.begin(), arrays.end(), [](const double* array) { return array != nullptr; }));
+    return ranks.any(std::any_of(arrays.begin(), arrays.end(), [](const double* array) { return array != nullptr; }));
   };
-  const bool points = isGiven(this->Options.projectedPoints);
-  const bool normals = isGiven(this->Options.surfaceNormals);
+  const bool points = isGiven(options.projectedPoints);
+  const bool normals = isGiven(options.surfaceNormals);
   if (!points && !normals)
   {
-    return;
+    return given;
   }
   std::set<int> vertices;
-  for (std::size_t face = 0; face < this->Complex.faces.size(); ++face)
+  for (std::size_t face = 0; face < complex.faces.size(); ++face)
   {
-    if (this->isWall(static_cast<int>(face)))
+    if (roleOf(options, complex.faces[face]) == BoundaryRole::Body)
     {
-      const FaceUse& use = this->Complex.faces[face].uses.front();
+      const FaceUse& use = complex.faces[face].uses.front();
       for (int corner = 0; corner < 4; ++corner)
       {
-        vertices.insert(this->Complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]);
+        vertices.insert(complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]);
       }
     }
   }
@@ -193,16 +281,16 @@ void Converter::collectGiven()
   std::vector<Copy> copies;
   for (const int vertex : vertices)
   {
-    for (const CornerUse& corner : this->Complex.vertices[vertex].corners)
+    for (const CornerUse& corner : complex.vertices[vertex].corners)
     {
       copies.push_back({ vertex, corner });
     }
   }
   const auto collect = [&](const std::vector<const double*>& arrays, std::map<int, Vec3>& result) {
     const auto values = gatherFromOwners<std::array<double, 3>>(
-      *this->Run.ranks, copies.size(), [&](std::size_t i) { return this->Complex.blocks[copies[i].corner.block].rank; },
+      ranks, copies.size(), [&](std::size_t i) { return complex.blocks[copies[i].corner.block].rank; },
       [&](std::size_t i) {
-        const ComplexBlock& owner = this->Complex.blocks[copies[i].corner.block];
+        const ComplexBlock& owner = complex.blocks[copies[i].corner.block];
         const double* array = owner.parent < static_cast<int>(arrays.size()) ? arrays[owner.parent] : nullptr;
         if (!array)
         {
@@ -233,90 +321,13 @@ void Converter::collectGiven()
   };
   if (points)
   {
-    collect(this->Options.projectedPoints, this->GivenPoints);
+    collect(options.projectedPoints, given.points);
   }
   if (normals)
   {
-    collect(this->Options.surfaceNormals, this->GivenNormals);
+    collect(options.surfaceNormals, given.normals);
   }
-}
-
-bool Converter::bodyFoot(const Star& star, const Fan& fan, BodyFoot& foot) const
-{
-  const auto givenAt = [&](const std::map<int, Vec3>& given, Vec3& value) {
-    const auto found = given.find(star.vertex);
-    value = found == given.end() ? value : found->second;
-    return found != given.end();
-  };
-  const bool hasPoint = givenAt(this->GivenPoints, foot.point);
-  const bool hasNormal = givenAt(this->GivenNormals, foot.normal) && foot.normal.norm() > 0.0;
-  if (!hasPoint && !hasNormal && !this->Options.body)
-  {
-    return false;
-  }
-  const Vec3 limit = smoothFan(fan, this->Options.twist, std::vector<double>(fan.spokeCount(), KnotInsertion)).center;
-  if (this->Options.body && !hasPoint && !hasNormal)
-  {
-    const BodyPoint closest = this->Options.body->closestPoint(limit);
-    const SurfaceGeometry& geometry = closest.geometry;
-    foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
-    if (this->Options.twist == Twist::Literal)
-    {
-      foot.mixedDerivative = evaluate(this->Options.body->patches()[closest.patch].surface, closest.u, closest.v).uv;
-    }
-    return geometry.normal.norm() > 0.0;
-  }
-  if (!hasPoint)
-  {
-    foot.point = limit;
-  }
-  foot.normal = hasNormal ? Vec3(foot.normal.normalized()) : limitNormal(fan);
-  return true;
-}
-
-bool Converter::sectorFoot(const Fan& points, int first, int size, BodyFoot& foot) const
-{
-  if (!this->Options.body)
-  {
-    return false;
-  }
-  const int n = points.sectorCount();
-  Vec3 normal = Vec3::Zero();
-  double length = 0.0;
-  for (int i = 0; i < size; ++i)
-  {
-    const Vec3 a = points.spokes[(first + i) % n] - points.center;
-    const Vec3 b = points.spokes[(first + i + 1) % n] - points.center;
-    normal += a.cross(b);
-    length = std::max({ length, a.norm(), b.norm() });
-  }
-  // Patches that meet at the crease; a crease that no edge of the body explains has one foot for both sides.
-  double best = 0.0;
-  for (const BodyPoint& point : this->Options.body->closestPointPerPatch(points.center, 1e-3 * length))
-  {
-    // Of equals the first: rounding must not decide.
-    const double fits = std::abs(point.geometry.normal.dot(normal)) / normal.norm();
-    if (fits > best + 1e-9)
-    {
-      best = fits;
-      const SurfaceGeometry& geometry = point.geometry;
-      foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
-      if (this->Options.twist == Twist::Literal)
-      {
-        foot.mixedDerivative = evaluate(this->Options.body->patches()[point.patch].surface, point.u, point.v).uv;
-      }
-    }
-  }
-  return best > 0.0;
-}
-
-Fan Converter::smoothSurfaceFan(
-  Star& star, const Fan& fan, const std::vector<double>& weights, const std::vector<SpokeKeep>& keeps, bool body) const
-{
-  BodyFoot foot;
-  star.hasFoot = body && fan.sectorCount() != 4 && this->bodyFoot(star, fan, foot);
-  return star.hasFoot ? projectedFan(fan, foot, this->Options.twist)
-                      : fadedFan(fan, this->Options.twist, weights, keeps);
+  return given;
 }
 
 } // namespace bsv

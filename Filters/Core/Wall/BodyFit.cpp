@@ -17,9 +17,8 @@ namespace bsv
 {
 
 WallDistances wallDistances(
-  const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body, const Execution& run)
+  const BlockComplex& complex, const EntityRules& rules, const BodySurface& body, const Execution& run)
 {
-  const EntityRules rules = classify(complex, conversion, run);
   const Wall wall(complex, rules);
   WallDistances result;
   result.wallPoints = wall.size();
@@ -73,8 +72,8 @@ WallDistances wallDistances(
   return result;
 }
 
-BodyFitReport fitBody(
-  BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options, const Execution& run)
+BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
+  const BodyFitOptions& options, const Execution& run)
 {
   if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
   {
@@ -92,7 +91,6 @@ BodyFitReport fitBody(
   {
     throw Error("limit points can be moved to the edges of a body only if there is one");
   }
-  const EntityRules rules = classify(complex, conversion, run);
   const Wall wall(complex, rules);
   BodyFitReport report;
   report.wallPoints = wall.size();
@@ -227,6 +225,18 @@ BodyFitReport fitBody(
     run.report(1.0);
   });
   return report;
+}
+
+WallDistances wallDistances(
+  const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body, const Execution& run)
+{
+  return wallDistances(complex, classify(complex, conversion, run), body, run);
+}
+
+BodyFitReport fitBody(
+  BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options, const Execution& run)
+{
+  return fitBody(complex, conversion, classify(complex, conversion, run), options, run);
 }
 
 } // namespace bsv

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "Body/ClosestPoint.h"
-#include "Conversion/Conversion.h"
+#include "Conversion/EntityRules.h"
 #include "Mesh/GridView.h"
 
 namespace bsv
@@ -25,8 +25,13 @@ struct WallDistances
 
 /// @throws Error that names both bounding boxes and the likely scale factor if a wall point is farther from the body
 /// than a fifth of the wall's bounding-box diagonal: another unit, or another body.
+/// @param rules those of classify(); the second form calls it.
+///@{
+WallDistances wallDistances(
+  const BlockComplex& complex, const EntityRules& rules, const BodySurface& body, const Execution& run = {});
 WallDistances wallDistances(
   const BlockComplex& complex, const ConversionOptions& conversion, const BodySurface& body, const Execution& run = {});
+///@}
 
 struct BodyFitOptions
 {
@@ -71,7 +76,12 @@ struct BodyFitReport
 /// numbering and orientation of the blocks.
 /// @throws Error if it does not converge (a cube of six quadrilaterals cannot take any eight limit points), or for
 /// options out of range; Aborted.
+/// @param rules those of classify(), which hold for the moved points as well; the second form calls it.
+///@{
+BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
+  const BodyFitOptions& options, const Execution& run = {});
 BodyFitReport fitBody(
   BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options, const Execution& run = {});
+///@}
 
 } // namespace bsv

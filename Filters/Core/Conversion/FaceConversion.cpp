@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Conversion/FaceConversion.h"
+
+#include <algorithm>
+#include <cstring>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+namespace bsv
+{
+
+namespace
+{
+
+/// Copies doubles past the caches, which a large net does not fit into: an ordinary copy would first read what it
+/// overwrites. Ends with endStream().
+template <typename Real>
+void streamCopy(double* to, const Real* from, Index count)
+{
+  Index i = 0;
+#ifdef __SSE2__
+  for (; i < count && reinterpret_cast<std::uintptr_t>(to + i) % 64 != 0; ++i)
+  {
+    to[i] = from[i];
+  }
+  for (; i + 8 <= count; i += 8)
+  {
+    for (int pair = 0; pair < 8; pair += 2)
+    {
+      _mm_stream_pd(to + i + pair, _mm_set_pd(from[i + pair + 1], from[i + pair]));
+    }
+  }
+#endif
+  for (; i < count; ++i)
+  {
+    to[i] = from[i];
+  }
+}
+
+} // namespace
+
+void endStream()
+{
+#ifdef __SSE2__
+  _mm_sfence();
+#endif
+}
+
+void convertBlock(const ConversionContext& context, int block, int slab, bool stream)
+{
+  const ComplexBlock& owner = context.complex.blocks[block];
+  const int ni = owner.cells(0), nj = owner.cells(1);
+  for (int j = 1; j < nj && ni > 1; ++j)
+  {
+    const Index start = context.index(block, { innerPosition(1), innerPosition(j), innerPosition(slab) });
+    double* target = context.nets[block].points + 3 * start;
+    owner.points.forRuns(1, ni - 1, j, slab, [&](const auto* source, Index count) {
+      if (stream)
+      {
+        streamCopy(target, source, count);
+      }
+      else
+      {
+        std::copy_n(source, count, target);
+      }
+      target += count;
+    });
+    std::memset(context.nets[block].rules + start, static_cast<int>(ControlPointRule::Copied), ni - 1);
+  }
+}
+
+void convertFace(const ConversionContext& context, int face)
+{
+  const ComplexFace& shared = context.complex.faces[face];
+  const FaceRule& faceRule = context.rules.faces[face];
+  const std::vector<double>& keeps = context.keeps[face];
+  const bool wall = context.isWall(face);
+
+  // Positions in a block's mesh or net as start + s * alongS + t * alongT + depth * inwards, (s, t) on the face's first
+  // block.
+  struct Plane
+  {
+    Index start, alongS, alongT, inwards;
+    Index operator()(int s, int t, int depth) const
+    {
+      return this->start + s * this->alongS + t * this->alongT + depth * this->inwards;
+    }
+  };
+  struct Side
+  {
+    const GridView* points;
+    const ControlNetStorage* net;
+    bool here;
+    FaceUse use;
+    Plane mesh, control;
+
+    Vec3 at(int s, int t, int depth) const { return this->points->atOffset(this->mesh(s, t, depth)); }
+    void write(int s, int t, int fromEnd, const Vec3& point, ControlPointRule rule) const
+    {
+      if (!this->here)
+      {
+        return;
+      }
+      const Index i = this->control(s, t, fromEnd);
+      std::copy_n(point.data(), 3, this->net->points + 3 * i);
+      this->net->rules[i] = static_cast<std::uint8_t>(rule);
+    }
+  };
+  std::vector<Side> sides;
+  int ns = 0, nt = 0;
+  for (const FaceUse& use : shared.uses)
+  {
+    const ComplexBlock& owner = context.complex.blocks[use.block];
+    const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+    const int axes[2] = { faceAxis(use.face, 0), faceAxis(use.face, 1) };
+    const int normal = faceDirection(use.face);
+    int orientation = 0;
+    if (sides.empty())
+    {
+      ns = cells[axes[0]];
+      nt = cells[axes[1]];
+    }
+    else
+    {
+      orientation = shared.orientation;
+    }
+    const auto plane = [&](const auto& offset) {
+      const auto at = [&](int s, int t, int depth) {
+        const std::array<int, 2> st = mapFacePoint(orientation, s, t, ns, nt);
+        return offset(st[0], st[1], depth);
+      };
+      const Index start = at(0, 0, 0);
+      return Plane{ start, at(1, 0, 0) - start, at(0, 1, 0) - start, at(0, 0, 1) - start };
+    };
+    const Plane mesh = plane([&](int s, int t, int depth) {
+      Ijk ijk;
+      ijk[axes[0]] = s;
+      ijk[axes[1]] = t;
+      ijk[normal] = faceSide(use.face) ? cells[normal] - depth : depth;
+      return owner.points.offset(ijk);
+    });
+    const Plane control = plane([&](int s, int t, int fromEnd) {
+      Ijk ijk;
+      ijk[axes[0]] = innerPosition(s);
+      ijk[axes[1]] = innerPosition(t);
+      ijk[normal] = endPosition(faceSide(use.face), fromEnd, cells[normal]);
+      return context.index(use.block, ijk);
+    });
+    sides.push_back({ &owner.points, &context.nets[use.block], context.isHere(use.block), use, mesh, control });
+  }
+
+  const Side& first = sides.front();
+  const Side& second = sides.back();
+  // The first layer next to the face, into one of its blocks.
+  const auto insert = [&](const Side& side, int s, int t, const Vec3& own, const Vec3& above) {
+    Ijk at{ 0, 0, 0 };
+    if (context.layer.varies(side.use.block, side.use.face))
+    {
+      const std::array<int, 2> st =
+        &side == &first ? std::array<int, 2>{ s, t } : mapFacePoint(shared.orientation, s, t, ns, nt);
+      at[faceAxis(side.use.face, 0)] = st[0];
+      at[faceAxis(side.use.face, 1)] = st[1];
+    }
+    const double near = context.layer.weight(side.use.block, side.use.face, at);
+    const bool regular = near == KnotInsertion && !wall;
+    side.write(
+      s, t, 1, insertMask(own, above, near), regular ? ControlPointRule::Regular : layerRule(faceRule.connection));
+  };
+  for (int t = 1; t < nt; ++t)
+  {
+    for (int s = 1; s < ns; ++s)
+    {
+      const Vec3 own = first.at(s, t, 0);
+      const Vec3 inner = first.at(s, t, 1);
+      insert(first, s, t, own, inner);
+      if (shared.boundary())
+      {
+        first.write(s, t, 0, own, context.rules.boundaryRule(face));
+        continue;
+      }
+      const Vec3 across = second.at(s, t, 1);
+      const double keep = keeps.empty() ? 0.0 : keeps[s + std::size_t(ns + 1) * t];
+      const Vec3 middle = faceRule.planar() ? own : fadedMask(inner, own, across, keep);
+      const ControlPointRule rule = faceRule.planar() ? ControlPointRule::PlanarSide
+        : keep > 0.0                                  ? ControlPointRule::Crease
+                                                      : ControlPointRule::Regular;
+      first.write(s, t, 0, middle, rule);
+      second.write(s, t, 0, middle, rule);
+      insert(second, s, t, own, across);
+    }
+  }
+}
+
+} // namespace bsv
