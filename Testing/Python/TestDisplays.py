@@ -51,10 +51,67 @@ def legend_is_shown(display):
     return servermanager.vtkSMPVRepresentationProxy.IsScalarBarVisible(display.SMProxy, VIEW.SMProxy)
 
 
+def drawn_surface(display):
+    """All polygons that a display gives to its mapper, and the bounds that set the camera."""
+    simple.Render(VIEW)
+    active = client(display).GetActiveRepresentation()
+    data = active.GetRenderedDataObject(0)
+    append = vtk.vtkAppendPolyData()
+    leaves = data.NewIterator()
+    leaves.InitTraversal()
+    while not leaves.IsDoneWithTraversal():
+        append.AddInputData(leaves.GetCurrentDataObject())
+        leaves.GoToNextItem()
+    append.Update()
+    return append.GetOutput()
+
+
+def test_first_picture_is_the_wall():
+    """Of meshes and volumes only faces of the wall are drawn; the normals are those of the surface."""
+    wing = simple.WingFuselageSource(Resolution=2)
+    volume = simple.CatmullClarkToBSplineVolume(Input=wing)
+    assert shown(wing, 1) is None
+    areas = []
+    for source in (wing, volume):
+        display = shown(source)
+        assert display.Representation == "Wall And Curves"
+        assert not legend_is_shown(display)
+        display.SetScalarColoring(None, 0)
+        surface = drawn_surface(display)
+        names = update(source)[0].GetFieldData().GetAbstractArray("BoundaryNames")
+        tags = surface.GetCellData().GetArray("Boundary")
+        drawn = {names.GetValue(int(tags.GetValue(n))) for n in range(tags.GetNumberOfValues())}
+        assert drawn and all(name.startswith("wall") for name in drawn), drawn
+        assert surface.GetPointData().GetArray("Normals") is not None
+        mass = vtk.vtkMassProperties()
+        triangles = vtk.vtkTriangleFilter()
+        triangles.SetInputData(surface)
+        mass.SetInputConnection(triangles.GetOutputPort())
+        areas.append(mass.GetSurfaceArea())
+        # The camera is that of the body, not of the far field.
+        assert surface.GetLength() < 0.3 * vtk_length(source)
+        simple.Hide(source, VIEW)
+    # The same body, drawn once and not from its net, inside which it lies.
+    assert 0.7 * areas[0] < areas[1] < areas[0], areas
+    # Without the wall nothing is left of the surface.
+    display = simple.Show(volume, VIEW)
+    display.ShowWall = 0
+    assert drawn_surface(display).GetNumberOfCells() == 0
+    display.ShowWall = 1
+    display.ReflectionLines = 1
+    simple.Render(VIEW)
+    simple.Hide(volume, VIEW)
+
+
+def vtk_length(source):
+    bounds = source.GetDataInformation(0).GetBounds()
+    return sum((bounds[2 * d + 1] - bounds[2 * d]) ** 2 for d in range(3)) ** 0.5
+
+
 def test_control_nets():
     for source in (MESH, VOLUME):
         display = shown(source)
-        assert display.Representation == "Control Net"
+        display.Representation = "Control Net"
         assert not legend_is_shown(display)
         simple.Render(VIEW)
         # Lines and points.
@@ -70,7 +127,7 @@ def test_control_nets():
 def test_volumes_of_files():
     quadflow = os.path.join(FOLDER.name, "volume.qfmb")
     simple.SaveData(quadflow, proxy=VOLUME)
-    assert shown(simple.QuadflowReader(FileName=quadflow)).Representation == "Control Net"
+    assert shown(simple.QuadflowReader(FileName=quadflow)).Representation == "Wall And Curves"
 
 
 def test_samples():
