@@ -3,6 +3,7 @@
 
 #include "Complex/BlockComplex.h"
 #include "Complex/EntityClass.h"
+#include "Complex/MeshDoctor.h"
 #include "Conversion/Conversion.h"
 #include "Data/BSplineVolumeData.h"
 #include "Data/HexBlockData.h"
@@ -540,7 +541,16 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     complexOptions.matchTolerance = this->MatchTolerance;
     complexOptions.allowDegenerate = this->AllowDegenerate;
     complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
-    bsv::BlockComplex complex = bsv::buildBlockComplex(mesh, complexOptions, execution(0.0, 0.3));
+    bsv::BlockComplex complex = bsv::buildBlockComplex(mesh, complexOptions, execution(0.0, 0.27));
+    const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, execution(0.27, 0.3));
+    if (!this->AllowOpenInterior)
+    {
+      bsv::refuseSuspicious(mesh, diagnosis);
+    }
+    for (const bsv::MeshFinding& finding : diagnosis.findings)
+    {
+      (finding.suspicious() ? complex.warnings : complex.notes).push_back(bsv::describe(mesh, finding));
+    }
 
     // The conversion.
     for (const std::string& name : complex.boundaryNames)
@@ -678,6 +688,7 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FitIterations: " << this->FitIterations << '\n';
   os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
   os << indent << "AllowDegenerate: " << (this->AllowDegenerate ? "On" : "Off") << '\n';
+  os << indent << "AllowOpenInterior: " << (this->AllowOpenInterior ? "On" : "Off") << '\n';
   os << indent << "ReceivedBytes: " << this->ReceivedBytes << '\n';
   os << indent << "Report: " << this->Report << '\n';
 }

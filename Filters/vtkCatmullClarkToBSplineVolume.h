@@ -306,6 +306,16 @@ public:
 
   ///@{
   /**
+   * Convert although outer faces without a name nearly face each other or lie in other cells (MeshDoctor.h), as where
+   * blocks were meant to meet. What was found is then a warning. Default off: such a mesh is refused.
+   */
+  vtkSetMacro(AllowOpenInterior, bool);
+  vtkGetMacro(AllowOpenInterior, bool);
+  vtkBooleanMacro(AllowOpenInterior, bool);
+  ///@}
+
+  ///@{
+  /**
    * What the last execution did, on all ranks together.
    */
   vtkGetMacro(NumberOfInputBlocks, int);
@@ -364,6 +374,7 @@ private:
   double PropagationRange = 8.0;
   double MatchTolerance = 0.05;
   bool AllowDegenerate = false;
+  bool AllowOpenInterior = false;
 
   int NumberOfInputBlocks = 0;
   int NumberOfBlocks = 0;

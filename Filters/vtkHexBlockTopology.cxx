@@ -3,6 +3,7 @@
 
 #include "Complex/BlockComplex.h"
 #include "Complex/EntityClass.h"
+#include "Complex/MeshDoctor.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
@@ -12,7 +13,9 @@
 #include "vtkCompositeDataSet.h"
 #include "vtkDataAssembly.h"
 #include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
+#include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
@@ -23,6 +26,7 @@
 #include "vtkPolyData.h"
 #include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
+#include "vtkTable.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -36,6 +40,21 @@ vtkStandardNewMacro(vtkHexBlockTopology);
 
 namespace
 {
+
+/// All outputs, emptied together.
+struct Outputs
+{
+  vtkPartitionedDataSetCollection* topology;
+  vtkPolyData* surface;
+  vtkTable* findings;
+
+  void Initialize()
+  {
+    this->topology->Initialize();
+    this->surface->Initialize();
+    this->findings->Initialize();
+  }
+};
 
 /// What the cells of one entity say.
 struct EntityData
@@ -64,6 +83,7 @@ public:
     this->Entities.push_back(std::move(data));
   }
 
+  vtkPoints* points() { return this->Points; }
   vtkIdType addPoint(const bsv::Vec3& x) { return this->Points->InsertNextPoint(x.data()); }
 
   /// A cell of the entity added last.
@@ -236,6 +256,59 @@ vtkSmartPointer<vtkPolyData> edgePart(
   return part.build(&vtkPolyData::SetLines, mostBlocks(complex));
 }
 
+/// The mesh points and quadrilaterals of a block face.
+class FaceGrid
+{
+public:
+  FaceGrid(const bsv::ComplexBlock& block, int side)
+    : Block(block)
+    , Side(side)
+    , Cells{ block.cells(0), block.cells(1), block.cells(2) }
+    , Counts{ this->Cells[bsv::faceAxis(side, 0)], this->Cells[bsv::faceAxis(side, 1)] }
+  {
+  }
+
+  /// @return number of the first point
+  vtkIdType addPoints(vtkPoints* points) const
+  {
+    const vtkIdType first = points->GetNumberOfPoints();
+    for (int t = 0; t <= this->Counts[1]; ++t)
+    {
+      for (int s = 0; s <= this->Counts[0]; ++s)
+      {
+        points->InsertNextPoint(this->Block.points(bsv::facePoint(this->Cells, this->Side, s, t)).data());
+      }
+    }
+    return first;
+  }
+
+  /// Calls visit(number, corners), s fastest; counter-clockwise seen from outside of a right-handed block, or, if
+  /// `turned`, of a left-handed one.
+  template <typename Visit>
+  void forQuads(vtkIdType first, bool turned, const Visit& visit) const
+  {
+    // Ascending axes make s x t the outward normal at the maximum sides of i and k and at the minimum side of j.
+    const bool outward = ((bsv::faceDirection(this->Side) == 1) != (bsv::faceSide(this->Side) == 1)) != turned;
+    vtkIdType quad = 0;
+    for (int t = 0; t < this->Counts[1]; ++t)
+    {
+      for (int s = 0; s < this->Counts[0]; ++s)
+      {
+        const vtkIdType p = first + s + vtkIdType(this->Counts[0] + 1) * t;
+        const vtkIdType q = p + this->Counts[0] + 1;
+        visit(quad++,
+          outward ? std::array<vtkIdType, 4>{ p, p + 1, q + 1, q } : std::array<vtkIdType, 4>{ p, q, q + 1, p + 1 });
+      }
+    }
+  }
+
+private:
+  const bsv::ComplexBlock& Block;
+  int Side;
+  bsv::Ijk Cells;
+  std::array<int, 2> Counts;
+};
+
 vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes, int rank)
 {
   PartBuilder part(static_cast<int>(complex.faces.size()));
@@ -249,38 +322,26 @@ vtkSmartPointer<vtkPolyData> facePart(const bsv::BlockComplex& complex, const bs
     }
     part.add(std::move(data));
 
-    const int side = face.uses.front().face;
-    const bsv::ComplexBlock& block = complex.blocks[face.uses.front().block];
+    const bsv::FaceUse& use = face.uses.front();
+    const bsv::ComplexBlock& block = complex.blocks[use.block];
     if (block.rank != rank)
     {
       continue;
     }
-    const bsv::Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
-    const int ns = cells[bsv::faceAxis(side, 0)];
-    const int nt = cells[bsv::faceAxis(side, 1)];
-    vtkIdType first = 0;
-    for (int t = 0; t <= nt; ++t)
-    {
-      for (int s = 0; s <= ns; ++s)
-      {
-        const vtkIdType id = part.addPoint(block.points(bsv::facePoint(cells, side, s, t)));
-        first = s == 0 && t == 0 ? id : first;
-      }
-    }
-    // Ascending axes make s x t the outward normal at the maximum sides of i and k and at the minimum side of j.
-    const bool outward = (bsv::faceDirection(side) == 1) != (bsv::faceSide(side) == 1);
-    for (int t = 0; t < nt; ++t)
-    {
-      for (int s = 0; s < ns; ++s)
-      {
-        const vtkIdType p = first + s + vtkIdType(ns + 1) * t;
-        const vtkIdType q = p + ns + 1;
-        part.addCell(
-          outward ? std::vector<vtkIdType>{ p, p + 1, q + 1, q } : std::vector<vtkIdType>{ p, q, q + 1, p + 1 });
-      }
-    }
+    const FaceGrid grid(block, use.face);
+    grid.forQuads(grid.addPoints(part.points()), false, [&](vtkIdType, const std::array<vtkIdType, 4>& corners) {
+      part.addCell({ corners.begin(), corners.end() });
+    });
   }
   return part.build(&vtkPolyData::SetPolys, mostBlocks(complex));
+}
+
+template <typename Array>
+vtkSmartPointer<Array> namedArray(const char* name)
+{
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name);
+  return array;
 }
 
 vtkSmartPointer<vtkStringArray> stringArray(const char* name, const std::vector<std::string>& values)
@@ -294,7 +355,110 @@ vtkSmartPointer<vtkStringArray> stringArray(const char* name, const std::vector<
   return array;
 }
 
+/// The outer quadrilaterals of the blocks of one rank, and what was found of each.
+void fillOuterSurface(
+  vtkPolyData* output, const bsv::BlockComplex& complex, const bsv::MeshDiagnosis& diagnosis, int rank)
+{
+  const auto kinds = namedArray<vtkUnsignedCharArray>("Finding");
+  const auto ids = namedArray<vtkIntArray>("FindingId");
+  const auto blocks = namedArray<vtkIntArray>("BlockId");
+  const auto faces = namedArray<vtkIntArray>("FaceId");
+  const auto tags = namedArray<vtkIntArray>("BoundaryTag");
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> cells;
+  for (std::size_t f = 0; f < complex.faces.size(); ++f)
+  {
+    const bsv::ComplexFace& face = complex.faces[f];
+    const bsv::FaceUse& use = face.uses.front();
+    const bsv::ComplexBlock& block = complex.blocks[use.block];
+    if (!face.boundary() || block.rank != rank)
+    {
+      continue;
+    }
+    const std::vector<int>& findings = diagnosis.findingOfQuad[f];
+    const FaceGrid grid(block, use.face);
+    const vtkIdType first = grid.addPoints(points);
+    grid.forQuads(first, block.leftHanded, [&](vtkIdType quad, const std::array<vtkIdType, 4>& corners) {
+      const int finding = findings.empty() ? -1 : findings[quad];
+      cells->InsertNextCell(4, corners.data());
+      kinds->InsertNextValue(
+        static_cast<unsigned char>(finding < 0 ? bsv::MeshFindingKind::None : diagnosis.findings[finding].kind));
+      ids->InsertNextValue(finding);
+      blocks->InsertNextValue(block.parent);
+      faces->InsertNextValue(use.face);
+      tags->InsertNextValue(face.tag);
+    });
+  }
+  output->SetPoints(points);
+  output->SetPolys(cells);
+  for (vtkDataArray* array : std::initializer_list<vtkDataArray*>{ kinds, ids, blocks, faces, tags })
+  {
+    output->GetCellData()->AddArray(array);
+  }
+  output->GetCellData()->SetActiveScalars("Finding");
+  output->GetFieldData()->AddArray(stringArray("FindingNames", bsv::meshFindingNames()));
+}
+
+/// @param rows false for the columns alone.
+void fillFindings(vtkTable* table, const bsv::BlockMesh& mesh, const bsv::MeshDiagnosis& diagnosis, bool rows)
+{
+  const auto names = namedArray<vtkStringArray>("Finding");
+  const auto suspicious = namedArray<vtkIntArray>("Suspicious");
+  const std::array<vtkSmartPointer<vtkIntArray>, 4> places{ namedArray<vtkIntArray>("BlockA"),
+    namedArray<vtkIntArray>("FaceA"), namedArray<vtkIntArray>("BlockB"), namedArray<vtkIntArray>("FaceB") };
+  const auto quads = namedArray<vtkIdTypeArray>("Quads");
+  const std::array<vtkSmartPointer<vtkDoubleArray>, 6> figures{ namedArray<vtkDoubleArray>("Distance"),
+    namedArray<vtkDoubleArray>("Fraction"), namedArray<vtkDoubleArray>("GlueTolerance"),
+    namedArray<vtkDoubleArray>("X"), namedArray<vtkDoubleArray>("Y"), namedArray<vtkDoubleArray>("Z") };
+  const auto texts = namedArray<vtkStringArray>("Description");
+  for (std::size_t n = 0; n < diagnosis.findings.size() && rows; ++n)
+  {
+    const bsv::MeshFinding& finding = diagnosis.findings[n];
+    names->InsertNextValue(bsv::meshFindingNames()[static_cast<std::size_t>(finding.kind)]);
+    suspicious->InsertNextValue(finding.suspicious());
+    for (int p = 0; p < 4; ++p)
+    {
+      places[p]->InsertNextValue(p % 2 == 0 ? finding.blocks[p / 2] : finding.faces[p / 2]);
+    }
+    quads->InsertNextValue(finding.quads);
+    const std::array<double, 6> values{ finding.distance, finding.fraction, finding.glueTolerance, finding.place[0],
+      finding.place[1], finding.place[2] };
+    for (int v = 0; v < 6; ++v)
+    {
+      figures[v]->InsertNextValue(values[v]);
+    }
+    texts->InsertNextValue(bsv::describe(mesh, finding));
+  }
+  table->AddColumn(names);
+  table->AddColumn(suspicious);
+  for (const auto& place : places)
+  {
+    table->AddColumn(place);
+  }
+  table->AddColumn(quads);
+  for (const auto& figure : figures)
+  {
+    table->AddColumn(figure);
+  }
+  table->AddColumn(texts);
+}
+
 } // namespace
+
+//------------------------------------------------------------------------------
+vtkHexBlockTopology::vtkHexBlockTopology()
+{
+  this->SetNumberOfOutputPorts(3);
+}
+
+//------------------------------------------------------------------------------
+int vtkHexBlockTopology::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  static const char* const types[] = { "vtkPartitionedDataSetCollection", "vtkPolyData", "vtkTable" };
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), types[port]);
+  return 1;
+}
 
 //------------------------------------------------------------------------------
 int vtkHexBlockTopology::FillInputPortInformation(int, vtkInformation* info)
@@ -310,7 +474,9 @@ int vtkHexBlockTopology::RequestData(
 {
   vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
-  if (!input || !output)
+  auto* surface = vtkPolyData::GetData(outputVector, 1);
+  auto* findings = vtkTable::GetData(outputVector, 2);
+  if (!input || !output || !surface || !findings)
   {
     vtkErrorMacro("Input or output is missing.");
     return 0;
@@ -319,11 +485,13 @@ int vtkHexBlockTopology::RequestData(
   this->NumberOfInputBlocks = this->NumberOfBlocks = 0;
   this->NumberOfVertices = this->NumberOfEdges = this->NumberOfFaces = 0;
   this->NumberOfExtraordinaryEdges = this->NumberOfSingularNodes = 0;
+  this->NumberOfComponents = this->NumberOfFindings = this->NumberOfSuspiciousFindings = 0;
   this->Report.clear();
 
-  return bsv::execute(this, output, [&] {
+  Outputs outputs{ output, surface, findings };
+  return bsv::execute(this, &outputs, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-    const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.8);
+    const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.6);
     const int rank = run.ranks->rank();
     const bsv::BlockMesh mesh = bsv::blockMesh(input, grids, *run.ranks);
     bsv::BlockComplexOptions options;
@@ -333,6 +501,8 @@ int vtkHexBlockTopology::RequestData(
     const bsv::BlockComplex complex =
       mesh.blocks.empty() ? bsv::BlockComplex{} : bsv::buildBlockComplex(mesh, options, run);
     const bsv::EntityClasses classes = bsv::classifyEntities(complex);
+
+    const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, bsv::filterExecution(this, 0.6, 0.8));
 
     const BoundaryTags tags(complex);
     const std::array<std::pair<const char*, vtkSmartPointer<vtkPolyData>>, 3> parts{ {
@@ -369,6 +539,21 @@ int vtkHexBlockTopology::RequestData(
       curves->InsertNextTypedTuple(tuple);
       report << count << " extraordinary curves of valence " << valence << '\n';
     }
+    std::vector<std::string> warnings = complex.warnings;
+    for (const bsv::MeshFinding& finding : diagnosis.findings)
+    {
+      this->NumberOfSuspiciousFindings += finding.suspicious() ? 1 : 0;
+      report << bsv::describe(mesh, finding) << '\n';
+    }
+    if (diagnosis.suspicious())
+    {
+      warnings.push_back("blocks do not meet where they seem to be meant to, at " +
+        std::to_string(this->NumberOfSuspiciousFindings) +
+        (this->NumberOfSuspiciousFindings == 1 ? " place: " : " places, the first: ") +
+        bsv::describe(mesh, diagnosis.findings.front()) + ". The table of findings lists all.");
+    }
+    fillOuterSurface(surface, complex, diagnosis, rank);
+    fillFindings(findings, mesh, diagnosis, rank == 0);
     vtkNew<vtkIntArray> parents;
     parents->SetName("ParentBlock");
     for (const bsv::ComplexBlock& block : complex.blocks)
@@ -390,7 +575,9 @@ int vtkHexBlockTopology::RequestData(
     this->NumberOfExtraordinaryEdges = static_cast<int>(classes.extraordinaryEdges);
     this->NumberOfSingularNodes = static_cast<int>(classes.singularNodes);
     this->Report = report.str();
-    bsv::warn(this, complex.warnings);
+    this->NumberOfComponents = diagnosis.components;
+    this->NumberOfFindings = static_cast<int>(diagnosis.findings.size());
+    bsv::warn(this, warnings);
     this->UpdateProgress(1.0);
   });
 }

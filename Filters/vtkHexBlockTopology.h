@@ -31,6 +31,17 @@
  * components: valence, number of curves); int array `ParentBlock`: per block of the complex the input block that it is
  * a piece of.
  *
+ * Second output, `OuterSurface`: a vtkPolyData of all quadrilaterals of the outer surface, seen from outside
+ * counter-clockwise, with the cell arrays `Finding` (unsigned char, names in the field array `FindingNames`: 0 none,
+ * 1 near miss, 2 loose point, 3 overlap, 4 narrow gap, 5 inner boundary), `FindingId` (int, row of the third output
+ * or -1), `BlockId`, `FaceId` (int, of the input) and `BoundaryTag`.
+ *
+ * Third output, `Findings`: a vtkTable with one row per finding (MeshDoctor.h), the suspicious ones first: `Finding`
+ * (name), `Suspicious` (0 or 1), `BlockA`, `FaceA`, `BlockB`, `FaceB` (input blocks, -1 for none), `Quads` (outer
+ * quadrilaterals, of a component blocks), `Distance` (length), `Fraction` (of the cells there), `GlueTolerance` (the
+ * least MatchTolerance that would glue it; 0 if none would), `X`, `Y`, `Z` (where), `Description`. Suspicious are
+ * blocks that seem to be meant to meet and do not; a warning counts them. On several ranks the first has all rows.
+ *
  * On several ranks each gives the entities whose first block is one of its own, with the numbers that they have in the
  * whole complex; counts and field data are those of all.
  *
@@ -100,6 +111,9 @@ public:
   vtkGetMacro(NumberOfFaces, int);
   vtkGetMacro(NumberOfExtraordinaryEdges, int);
   vtkGetMacro(NumberOfSingularNodes, int);
+  vtkGetMacro(NumberOfComponents, int);
+  vtkGetMacro(NumberOfFindings, int);
+  vtkGetMacro(NumberOfSuspiciousFindings, int);
   ///@}
 
   /**
@@ -108,10 +122,11 @@ public:
   const char* GetReport() const { return this->Report.c_str(); }
 
 protected:
-  vtkHexBlockTopology() = default;
+  vtkHexBlockTopology();
   ~vtkHexBlockTopology() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -130,6 +145,9 @@ private:
   int NumberOfFaces = 0;
   int NumberOfExtraordinaryEdges = 0;
   int NumberOfSingularNodes = 0;
+  int NumberOfComponents = 0;
+  int NumberOfFindings = 0;
+  int NumberOfSuspiciousFindings = 0;
   std::string Report;
 };
 

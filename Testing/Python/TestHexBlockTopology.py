@@ -232,6 +232,56 @@ def test_errors():
     assert "block" in failure(topology(nan)).lower()
 
 
+def apart(gap):
+    """Two boxes of 2^3 cells whose faces are `gap` apart."""
+    return collection([grid((2, 2, 2), lambda i, j, k: (i, j, k)),
+                       grid((2, 2, 2), lambda i, j, k: (i + gap, j, k), (2, 0, 0))])
+
+
+def test_near_misses_are_found():
+    proxy = topology(apart(0.25))
+    _, warnings = update(proxy)
+    assert len(warnings) == 1 and "nearly face each other" in warnings[0] and "Match Tolerance" in warnings[0], warnings
+    table = client(proxy).GetOutputDataObject(2)
+    row = {table.GetColumnName(c): table.GetValue(0, c) for c in range(table.GetNumberOfColumns())}
+    assert row["Finding"].ToString() == "NearMiss" and row["Suspicious"].ToInt() == 1
+    assert [row[name].ToInt() for name in ("BlockA", "FaceA", "BlockB", "FaceB", "Quads")] == [0, 1, 1, 0, 8]
+    for name, value in (("Distance", 0.25), ("Fraction", 0.25), ("GlueTolerance", 0.25), ("X", 2.125)):
+        assert abs(row[name].ToDouble() - value) < 1e-12, (name, row[name].ToDouble())
+    surface = client(proxy).GetOutputDataObject(1)
+    found = values(surface.GetCellData().GetArray("Finding"))
+    assert len(found) == 2 * 24 and found.count(1) == 8 and found.count(0) == 40
+    assert field(surface, "FindingNames")[1] == "NearMiss"
+    for c in range(surface.GetNumberOfCells()):
+        if found[c]:
+            x = [surface.GetPoint(surface.GetCell(c).GetPointId(p))[0] for p in range(4)]
+            assert set(x) in ({2.0}, {2.25})
+            assert surface.GetCellData().GetArray("FindingId").GetTuple1(c) == 0
+    proxy.UpdatePropertyInformation()
+    assert (proxy.NumberOfSuspiciousFindings, proxy.NumberOfComponents) == (1, 2)
+    # The tolerance told glues them.
+    proxy = topology(apart(0.25), MatchTolerance=0.2501)
+    _, warnings = update(proxy)
+    proxy.UpdatePropertyInformation()
+    assert not warnings and (proxy.NumberOfFindings, proxy.NumberOfComponents) == (0, 1)
+
+
+def test_conversion_refuses_near_misses():
+    error = failure(simple.CatmullClarkToBSplineVolume(Input=producer(apart(0.25))))
+    assert "nearly face each other" in error and "face 0 (i=0)" in error and "Allow Open Interior" in error, error
+    proxy = simple.CatmullClarkToBSplineVolume(Input=producer(apart(0.25)), AllowOpenInterior=1)
+    _, warnings = update(proxy)
+    assert len(warnings) == 1 and "nearly face each other" in warnings[0]
+    # One moved point of the shared face.
+    moved = collection([grid((4, 4, 4), lambda i, j, k: (i, j, k)),
+                        grid((4, 4, 4), lambda i, j, k: (i + 0.3 * (i == 4 and j == 2 and k == 1), j, k), (4, 0, 0))])
+    error = failure(simple.CatmullClarkToBSplineVolume(Input=producer(moved)))
+    assert "would meet but for one point" in error, error
+    # Apart for good, or over each other.
+    update(simple.CatmullClarkToBSplineVolume(Input=producer(apart(3.0))))
+    assert "lies in block" in failure(simple.CatmullClarkToBSplineVolume(Input=producer(apart(-1.2))))
+
+
 def test_empty():
     data, warnings = update(topology(vtk.vtkPartitionedDataSetCollection()))
     assert not warnings and len(blocks(data)) == 3 and all(part.GetNumberOfCells() == 0 for part in blocks(data))

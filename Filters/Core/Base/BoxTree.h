@@ -36,18 +36,26 @@ public:
   template <typename Visit>
   void search(const Box& box, const Visit& visit) const
   {
-    Query<Visit> query{ box, visit };
+    this->searchIf([&](const Box& volume) { return volume.intersects(box); }, visit);
+  }
+
+  /// Calls visit(number) for boxes of which meets(box) may hold, among them all of which it does. What meets a box must
+  /// meet all larger ones.
+  template <typename Meets, typename Visit>
+  void searchIf(const Meets& meets, const Visit& visit) const
+  {
+    Query<Meets, Visit> query{ meets, visit };
     Eigen::BVIntersect(this->Tree, query);
   }
 
 private:
-  template <typename Visit>
+  template <typename Meets, typename Visit>
   struct Query
   {
-    Box box;
+    const Meets& meets;
     const Visit& visit;
 
-    bool intersectVolume(const Box& volume) const { return volume.intersects(this->box); }
+    bool intersectVolume(const Box& volume) const { return this->meets(volume); }
     bool intersectObject(Index number) const
     {
       this->visit(number);
