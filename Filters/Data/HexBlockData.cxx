@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/HexBlockData.h"
 
+#include "Data/HexMeshData.h"
+
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkDataAssembly.h>
@@ -658,7 +660,43 @@ FaceRange wholeFace(const Ijk& counts, int face)
 
 } // namespace
 
+std::vector<NamedLeaf> namedLeaves(vtkDataObject* input)
+{
+  std::vector<Leaf> leaves;
+  if (input)
+  {
+    collectLeaves(input, "", leaves);
+  }
+  std::vector<NamedLeaf> result;
+  for (const Leaf& leaf : leaves)
+  {
+    result.push_back({ leaf.data, leaf.name });
+  }
+  return result;
+}
+
 BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
+{
+  if (!ranks.any(needsBlocks(input)))
+  {
+    return structuredBlocks(input, grids, ranks);
+  }
+  Execution run;
+  // Shared by nobody else for as long as this function runs.
+  run.ranks = std::shared_ptr<const Ranks>(&ranks, [](const Ranks*) {});
+  vtkNew<vtkPartitionedDataSetCollection> blocks;
+  HexMeshReport report = hexMeshToBlocks(input, nullptr, {}, blocks, run);
+  BlockMesh mesh = structuredBlocks(blocks, grids, ranks);
+  mesh.notes = std::move(report.notes);
+  mesh.notes.insert(mesh.notes.begin(),
+    std::to_string(report.cells) + " unstructured hexahedra were made to " + std::to_string(report.blocks) +
+      " blocks (Hex Mesh To Blocks).");
+  mesh.warnings = std::move(report.warnings);
+  return mesh;
+}
+
+BlockMesh structuredBlocks(
+  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
 {
   std::vector<Leaf> leaves;
   if (input)

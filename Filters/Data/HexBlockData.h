@@ -40,8 +40,20 @@ class vtkStructuredGrid;
 namespace bsv
 {
 
-/// The core's view of `input`. Points stored as x y z triples of float or double are not copied. Collective: the result
-/// has the blocks of all ranks, with the points of those that are here.
+/// A leaf of a tree of data sets; null if it is missing.
+struct NamedLeaf
+{
+  vtkDataObject* data;
+  /// Of the leaf or, if it has none, of the data set it is a partition of. May be empty.
+  std::string name;
+};
+
+/// All leaves of a tree, or the one data set, in flat order.
+BSPLINEVOLUMEFILTERS_EXPORT std::vector<NamedLeaf> namedLeaves(vtkDataObject* input);
+
+/// The core's view of `input`. Hexahedra that are not structured, or partly hidden, become blocks first
+/// (HexMeshData.h); BlockMesh::notes and BlockMesh::warnings tell it. Points stored as x y z triples of float or double
+/// are not copied. Collective: the result has the blocks of all ranks, with the points of those that are here.
 ///
 /// A block that several ranks have belongs to the lowest of them. Field data are taken from the ranks that have them.
 /// @param[out] grids the grid of every block of the result, in its order, null for those on other ranks. They own the
@@ -51,6 +63,10 @@ namespace bsv
 /// @throws Error for leaves that are no structured grids, blocks of fewer than 2 points in a direction, and arrays of
 ///   the wrong type or size or with entries out of range; for blocks and arrays that differ from rank to rank.
 BSPLINEVOLUMEFILTERS_EXPORT BlockMesh blockMesh(
+  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks = Ranks());
+
+/// The same for structured grids only; hidden cells count as any others.
+BSPLINEVOLUMEFILTERS_EXPORT BlockMesh structuredBlocks(
   vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks = Ranks());
 
 /// Point array `name` of a grid as doubles (not copied if it is a vtkDoubleArray), or null if there is none.

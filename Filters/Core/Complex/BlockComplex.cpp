@@ -156,6 +156,8 @@ public:
   BlockComplex build()
   {
     this->Result.boundaryNames = this->Mesh.boundaryNames;
+    this->Result.notes = this->Mesh.notes;
+    this->Result.warnings = this->Mesh.warnings;
     this->makePieces();
     this->makeFaces();
     this->makeVerticesAndEdges();

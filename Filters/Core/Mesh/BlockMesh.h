@@ -84,6 +84,9 @@ struct BlockMesh
   std::vector<BoundaryPatch> boundaries;
   std::vector<std::string> boundaryNames;
   std::vector<CreaseLine> creases;
+  /// How the mesh came about and what may be wrong with it, one sentence each.
+  std::vector<std::string> notes;
+  std::vector<std::string> warnings;
 };
 
 } // namespace bsv
