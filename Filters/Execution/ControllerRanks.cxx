@@ -1,114 +1,85 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Execution/ControllerRanks.h"
 
+#include "Ranks/RankGroup.h"
+
 #include <vtkMultiProcessController.h>
 
-#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+#include <mutex>
+#include <string>
+#include <vector>
 
 namespace bsv
 {
 namespace
 {
 
-class ControllerRanks : public Ranks
+class ControllerRanks : public RankGroup
 {
 public:
   explicit ControllerRanks(vtkMultiProcessController* controller)
-    : Controller(controller)
+    : RankGroup(controller->GetNumberOfProcesses())
+    , Controller(controller)
+    , Sizes(controller->GetNumberOfProcesses())
+    , Offsets(controller->GetNumberOfProcesses())
   {
   }
+  const vtkMultiProcessController* controller() const { return this->Controller; }
   int rank() const override { return this->Controller->GetLocalProcessId(); }
-  int size() const override { return this->Controller->GetNumberOfProcesses(); }
+  int size() const override { return static_cast<int>(this->Sizes.size()); }
 
 protected:
-  std::vector<Bytes> gatherBytes(const Bytes& mine) const override
+  void allGather(const char* mine, Index size, char* all) const override
   {
-    const vtkIdType length = static_cast<vtkIdType>(mine.size());
-    std::vector<vtkIdType> lengths(this->size()), offsets(this->size());
-    this->Controller->AllGather(&length, lengths.data(), 1);
-    vtkIdType total = 0;
-    for (int r = 0; r < this->size(); ++r)
-    {
-      offsets[r] = total;
-      total += lengths[r];
-    }
-    Bytes all(total);
-    this->Controller->AllGatherV(mine.data(), all.data(), length, lengths.data(), offsets.data());
-    std::vector<Bytes> parts;
-    for (int r = 0; r < this->size(); ++r)
-    {
-      parts.emplace_back(all.begin() + offsets[r], all.begin() + offsets[r] + lengths[r]);
-    }
-    return parts;
+    check(this->Controller->AllGather(mine, all, size), "AllGather");
   }
-
-  std::vector<Bytes> exchangeBytes(std::vector<Bytes> toRank) const override
+  void allGather(const char* mine, const std::vector<Index>& sizes, char* all) const override
   {
-    // Who sends how much to whom; most pairs of ranks exchange nothing.
-    struct Message
+    vtkIdType total = 0;
+    for (std::size_t r = 0; r < sizes.size(); ++r)
     {
-      vtkIdType to, length;
-    };
-    std::vector<Message> mine;
-    for (int r = 0; r < this->size(); ++r)
-    {
-      if (r != this->rank() && !toRank[r].empty())
-      {
-        mine.push_back({ r, static_cast<vtkIdType>(toRank[r].size()) });
-      }
+      this->Sizes[r] = sizes[r];
+      this->Offsets[r] = total;
+      total += sizes[r];
     }
-    Bytes packed(mine.size() * sizeof(Message));
-    std::copy_n(reinterpret_cast<const char*>(mine.data()), packed.size(), packed.begin());
-    const std::vector<Bytes> all = this->gatherBytes(packed);
-
-    // Every pair in one order on all ranks, the lower rank first: no two wait for each other.
-    std::vector<Bytes> received(this->size());
-    received[this->rank()] = std::move(toRank[this->rank()]);
-    const auto lengthOf = [&](int from, int to) {
-      const Message* messages = reinterpret_cast<const Message*>(all[from].data());
-      for (std::size_t m = 0; m < all[from].size() / sizeof(Message); ++m)
-      {
-        if (messages[m].to == to)
-        {
-          return messages[m].length;
-        }
-      }
-      return vtkIdType(0);
-    };
-    constexpr int Tag = 7291;
-    const auto send = [&](int to) {
-      if (!toRank[to].empty())
-      {
-        this->Controller->Send(toRank[to].data(), static_cast<vtkIdType>(toRank[to].size()), to, Tag);
-      }
-    };
-    const auto receive = [&](int from) {
-      received[from].resize(lengthOf(from, this->rank()));
-      if (!received[from].empty())
-      {
-        this->Controller->Receive(received[from].data(), static_cast<vtkIdType>(received[from].size()), from, Tag);
-      }
-    };
-    // Round r pairs the ranks whose numbers add up to r modulo the number of ranks.
-    for (int round = 0; round < this->size(); ++round)
-    {
-      const int other = (round - this->rank() + this->size()) % this->size();
-      if (other > this->rank())
-      {
-        send(other);
-        receive(other);
-      }
-      else if (other < this->rank())
-      {
-        receive(other);
-        send(other);
-      }
-    }
-    return received;
+    check(this->Controller->AllGatherV(mine, all, sizes[this->rank()], this->Sizes.data(), this->Offsets.data()),
+      "AllGatherV");
+  }
+  void broadcast(char* data, Index size, int root) const override
+  {
+    check(this->Controller->Broadcast(data, size, root), "Broadcast");
+  }
+  void send(const char* data, Index size, int to) const override
+  {
+    check(this->Controller->Send(data, size, to, Tag), "Send");
+  }
+  void receive(char* data, Index size, int from) const override
+  {
+    check(this->Controller->Receive(data, size, from, Tag), "Receive");
+  }
+  void abandon(const char* why) const override
+  {
+    // The others wait for this process, and only its end tells them: what started the processes then ends them all.
+    std::cerr << "Rank " << this->rank() << " of " << this->size() << " ends, as communication failed: " << why
+              << std::endl;
+    std::_Exit(EXIT_FAILURE);
   }
 
 private:
+  static constexpr int Tag = 7291;
+
+  static void check(int success, const char* call)
+  {
+    if (!success)
+    {
+      throw Error(std::string("vtkMultiProcessController::") + call + " failed");
+    }
+  }
+
   vtkMultiProcessController* Controller;
+  mutable std::vector<vtkIdType> Sizes, Offsets;
 };
 
 } // namespace
@@ -116,8 +87,19 @@ private:
 std::shared_ptr<const Ranks> globalRanks()
 {
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  return controller && controller->GetNumberOfProcesses() > 1 ? std::make_shared<ControllerRanks>(controller)
-                                                              : aloneRank();
+  if (!controller || controller->GetNumberOfProcesses() == 1)
+  {
+    return aloneRank();
+  }
+  // One object for all filters: it knows which scopes are open.
+  static std::mutex guard;
+  static std::shared_ptr<const ControllerRanks> group;
+  const std::lock_guard<std::mutex> lock(guard);
+  if (!group || group->controller() != controller || group->size() != controller->GetNumberOfProcesses())
+  {
+    group = std::make_shared<ControllerRanks>(controller);
+  }
+  return group;
 }
 
 } // namespace bsv

@@ -4,6 +4,9 @@
 ///
 /// Functions of the core that take an Execution are collective where its `ranks` are several: all ranks call them with
 /// the same options, in the same order.
+///
+/// An error needs no care: a rank that throws leaves its scope (Ranks::together(), opened once per filter, reader or
+/// writer), and the others throw the same error from the next function in which they communicate.
 #pragma once
 
 #include "Base/Types.h"
@@ -15,8 +18,8 @@
 namespace bsv
 {
 
-/// An error at a numbered place. Of the errors that several ranks throw in Ranks::together(), the one at the lowest
-/// place is thrown on all: the one that a process alone, which goes through all places in order, meets first.
+/// An error at a numbered place, such as a block. If several ranks fail in one step, all throw the error with the
+/// lowest place, the first one that a serial run would report.
 class ErrorAt : public Error
 {
 public:
@@ -31,29 +34,39 @@ private:
   Index Place;
 };
 
-/// One process of several. This class is the one of a process that is alone; others override the protected methods.
+/// One process of several. This class is the one of a process that is alone; RankGroup is one of several.
 class Ranks
 {
 public:
-  using Bytes = std::vector<char>;
-
   virtual ~Ranks() = default;
   /// This process, 0 <= rank() < size().
   virtual int rank() const { return 0; }
   virtual int size() const { return 1; }
 
   /// @name Collective: every rank calls them
+  /// They throw if another rank failed before it got to them.
   ///@{
   /// What every rank gave, in the order of the ranks.
   template <typename T>
   std::vector<std::vector<T>> gather(const std::vector<T>& mine) const
   {
-    return this->unpacked<T>(this->counted(this->gatherBytes(packed(mine))));
+    static_assert(std::is_trivially_copyable<T>::value, "only plain memory can be sent");
+    if (this->size() == 1)
+    {
+      return { mine };
+    }
+    std::vector<std::vector<T>> all(this->size());
+    this->gatherBytes(bytesOf(mine), sizeof(T), roomIn(all));
+    return all;
   }
   /// The same as one list.
   template <typename T>
   std::vector<T> gatherAll(const std::vector<T>& mine) const
   {
+    if (this->size() == 1)
+    {
+      return mine;
+    }
     std::vector<T> all;
     for (const std::vector<T>& part : this->gather(mine))
     {
@@ -65,13 +78,20 @@ public:
   template <typename T>
   std::vector<std::vector<T>> exchange(std::vector<std::vector<T>> toRank) const
   {
-    std::vector<Bytes> bytes;
-    for (std::vector<T>& part : toRank)
+    static_assert(std::is_trivially_copyable<T>::value, "only plain memory can be sent");
+    if (this->size() == 1)
     {
-      bytes.push_back(packed(part));
-      std::vector<T>().swap(part);
+      return toRank;
     }
-    return this->unpacked<T>(this->counted(this->exchangeBytes(std::move(bytes))));
+    std::vector<Span> messages;
+    for (const std::vector<T>& part : toRank)
+    {
+      messages.push_back(bytesOf(part));
+    }
+    std::vector<std::vector<T>> received(this->size());
+    this->exchangeBytes(messages, sizeof(T), roomIn(received));
+    received[this->rank()] = std::move(toRank[this->rank()]);
+    return received;
   }
   /// Gives all ranks the value n of the rank ownerOf(n), for all n.
   template <typename T, typename OwnerOf>
@@ -110,62 +130,65 @@ public:
         answers.back().push_back(answer(question));
       }
     }
-    return this->exchange(answers);
+    return this->exchange(std::move(answers));
   }
   /// Whether it is true on any rank.
   bool any(bool mine) const;
-  /// Runs `body`, which communicates with no other rank. If it throws on any of them, one of the exceptions is thrown
-  /// on all, as Error or Aborted: that of the first rank, or of several ErrorAt the one at the lowest place.
+  /// Runs `body`, which may communicate. If it throws on any rank, all ranks throw one error, as Error or Aborted: of
+  /// those of the earliest step the one at the lowest ErrorAt::place(); without a place before all places, from the
+  /// first rank first.
+  ///
+  /// One such scope around all that a filter does is enough. A scope in a scope is for errors that are caught on all
+  /// ranks, who then go on together.
+  /// @param parameters what must be the same on all ranks, a line for each; else that is the error.
   template <typename Body>
-  void together(const Body& body) const
+  void together(const Body& body, const std::function<std::string()>& parameters = nullptr) const
   {
     if (this->size() == 1)
     {
       body();
       return;
     }
-    this->agree(body);
+    this->runTogether(body, parameters);
   }
+  /// A new step begins: its errors come after those of the steps before it, at whatever place. Sends nothing. Every
+  /// other collective function begins a step, too.
+  virtual void nextStep() const {}
   ///@}
 
   /// Bytes that came from other ranks so far.
-  Index receivedBytes() const { return this->Received; }
+  virtual Index receivedBytes() const { return 0; }
 
 protected:
-  virtual std::vector<Bytes> gatherBytes(const Bytes& mine) const { return { mine }; }
-  virtual std::vector<Bytes> exchangeBytes(std::vector<Bytes> toRank) const { return toRank; }
+  struct Span
+  {
+    const char* data;
+    Index size;
+  };
+  /// Room for what comes from a rank; called once for every rank that sends something. May throw.
+  using Room = std::function<char*(int rank, Index bytes)>;
+
+  /// @param unit size of the values, the same on all ranks
+  ///@{
+  virtual void gatherBytes(const Span&, std::size_t, const Room&) const {}
+  virtual void exchangeBytes(const std::vector<Span>&, std::size_t, const Room&) const {}
+  ///@}
+  virtual void runTogether(const std::function<void()>& body, const std::function<std::string()>&) const { body(); }
 
 private:
   template <typename T>
-  static Bytes packed(const std::vector<T>& values)
+  static Span bytesOf(const std::vector<T>& values)
   {
-    static_assert(std::is_trivially_copyable<T>::value, "only plain memory can be sent");
-    Bytes bytes(values.size() * sizeof(T));
-    if (!values.empty())
-    {
-      std::memcpy(bytes.data(), static_cast<const void*>(values.data()), bytes.size());
-    }
-    return bytes;
+    return { reinterpret_cast<const char*>(values.data()), static_cast<Index>(values.size() * sizeof(T)) };
   }
   template <typename T>
-  static std::vector<std::vector<T>> unpacked(std::vector<Bytes> parts)
+  static Room roomIn(std::vector<std::vector<T>>& parts)
   {
-    std::vector<std::vector<T>> result;
-    for (Bytes& bytes : parts)
-    {
-      result.emplace_back(bytes.size() / sizeof(T));
-      if (!bytes.empty())
-      {
-        std::memcpy(static_cast<void*>(result.back().data()), bytes.data(), bytes.size());
-      }
-      Bytes().swap(bytes);
-    }
-    return result;
+    return [&parts](int rank, Index bytes) {
+      parts[rank].resize(static_cast<std::size_t>(bytes) / sizeof(T));
+      return reinterpret_cast<char*>(parts[rank].data());
+    };
   }
-  std::vector<Bytes> counted(std::vector<Bytes> parts) const;
-  void agree(const std::function<void()>& body) const;
-
-  mutable Index Received = 0;
 };
 
 /// A rank for every block: about as many points on each, and blocks that follow each other together.

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <iostream>
 #include <numeric>
+#include <thread>
 
 namespace
 {
@@ -62,6 +65,288 @@ TEST(Ranks, ErrorAtTheLowestPlaceIsThrown)
     });
   });
   EXPECT_EQ(errors, std::vector<std::string>(4, "place 1"));
+}
+
+TEST(Ranks, ErrorOfTheEarliestStepIsThrown)
+{
+  const auto errors = onRanks(3, [](const Execution& run) {
+    const int rank = run.ranks->rank();
+    for (int step = 0; step < 3; ++step)
+    {
+      run.ranks->nextStep();
+      if (step == 2 - rank % 2)
+      {
+        throw bsv::ErrorAt(10 * step, "step " + std::to_string(step) + " of rank " + std::to_string(rank));
+      }
+    }
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3, "step 1 of rank 1"));
+}
+
+/// All that ranks can do together, in one scope and in a scope in it. Counts the places between.
+template <typename Place>
+void doEverything(const Execution& run, const Place& place)
+{
+  const bsv::Ranks& ranks = *run.ranks;
+  place();
+  ranks.gatherAll(std::vector<double>(ranks.rank(), 1.5));
+  place();
+  ranks.gather(std::vector<double>(100 * ranks.rank(), 1.5));
+  place();
+  ranks.gather(std::vector<double>(20000 * ranks.rank(), 1.5));
+  place();
+  std::vector<std::vector<char>> toRank(ranks.size());
+  ranks.exchange(toRank);
+  place();
+  toRank[ranks.size() - 1].assign(100 + ranks.rank(), 'x');
+  ranks.exchange(toRank);
+  place();
+  ranks.together([&] {
+    place();
+    ranks.any(true);
+    place();
+  });
+  place();
+  std::vector<std::vector<int>> questions(ranks.size(), std::vector<int>(ranks.rank(), 1));
+  ranks.ask(questions, [&](int question) {
+    place();
+    return 2 * question;
+  });
+  place();
+}
+
+TEST(Ranks, FailureAnywhereEndsAllWithItsText)
+{
+  int tried = 0;
+  for (const int size : { 2, 3 })
+  {
+    for (int thrower = 0; thrower < size; ++thrower)
+    {
+      bool reached = true;
+      for (int at = 0; reached; ++at)
+      {
+        reached = false;
+        const auto errors = onRanks(size, [&](const Execution& run) {
+          int places = 0;
+          doEverything(run, [&] {
+            if (run.ranks->rank() == thrower && places++ == at)
+            {
+              reached = true;
+              throw bsv::Error("here");
+            }
+          });
+        });
+        EXPECT_EQ(errors, std::vector<std::string>(size, reached ? "here" : ""));
+        tried += reached ? 1 : 0;
+      }
+    }
+  }
+  std::cout << tried << " places tried\n";
+}
+
+TEST(Ranks, CaughtFailureOfAnInnerScopeIsOver)
+{
+  const auto errors = onRanks(3, [](const Execution& run) {
+    const bsv::Ranks& ranks = *run.ranks;
+    const auto inner = [&] {
+      ranks.any(false);
+      if (ranks.rank() == 1)
+      {
+        throw bsv::Error("inside");
+      }
+      ranks.any(false);
+    };
+    EXPECT_THROW(ranks.together(inner), bsv::Error);
+    EXPECT_EQ(ranks.gatherAll(std::vector<int>{ ranks.rank() }), (std::vector<int>{ 0, 1, 2 }));
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
+TEST(Ranks, SwallowedFailureEndsTheScopeAllTheSame)
+{
+  const auto errors = onRanks(2, [](const Execution& run) {
+    if (run.ranks->rank() == 0)
+    {
+      throw bsv::Error("lost");
+    }
+    EXPECT_THROW(run.ranks->any(false), bsv::Error);
+    EXPECT_THROW(run.ranks->any(false), bsv::Error);
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(2, "lost"));
+}
+
+TEST(Ranks, DifferentStepsAreOneError)
+{
+  const auto different = [](const auto& work) {
+    const auto errors = onRanks(3, work);
+    EXPECT_EQ(errors[0].rfind("The ranks 0 and 2 do not take the same steps", 0), 0u) << errors[0];
+    EXPECT_EQ(errors, std::vector<std::string>(3, errors[0]));
+  };
+  different([](const Execution& run) {
+    if (run.ranks->rank() != 2)
+    {
+      run.ranks->any(true);
+    }
+  });
+  different([](const Execution& run) {
+    if (run.ranks->rank() == 2)
+    {
+      run.ranks->exchange(std::vector<std::vector<char>>(3));
+    }
+    run.ranks->any(true);
+  });
+  different([](const Execution& run) {
+    if (run.ranks->rank() == 2)
+    {
+      run.ranks->gatherAll(std::vector<int>{ 1 });
+    }
+    run.ranks->any(true);
+  });
+}
+
+TEST(Ranks, DifferentParametersAreOneError)
+{
+  const auto errors = onRanks(3, [](const Execution& run) { run.ranks->together([&] { run.ranks->any(true); }); });
+  EXPECT_EQ(errors, std::vector<std::string>(3));
+
+  bsvtest::Exchange exchange(3);
+  std::vector<std::string> texts(3);
+  std::vector<std::thread> threads;
+  for (int rank = 0; rank < 3; ++rank)
+  {
+    threads.emplace_back([&, rank] {
+      const bsvtest::ThreadRank ranks(exchange, rank);
+      const auto parameters = [&] { return "Angle: 30\n  Limit: " + std::to_string(rank / 2) + "\nLast: 1\n"; };
+      try
+      {
+        ranks.together([&] { ranks.any(true); }, parameters);
+      }
+      catch (const bsv::Error& error)
+      {
+        texts[rank] = error.what();
+      }
+      // It is over then.
+      EXPECT_TRUE(ranks.any(rank == 1));
+    });
+  }
+  for (std::thread& thread : threads)
+  {
+    thread.join();
+  }
+  EXPECT_EQ(texts,
+    std::vector<std::string>(
+      3, "The parameters are not the same on all ranks: rank 0 has 'Limit: 0', rank 2 has 'Limit: 1'."));
+}
+
+/// A transport that takes short messages only.
+class ShortMessages : public bsvtest::ThreadRank
+{
+public:
+  using ThreadRank::ThreadRank;
+
+protected:
+  bsv::Index longestMessage() const override { return 1000; }
+  void broadcast(char* data, bsv::Index size, int root) const override
+  {
+    EXPECT_LE(size, 1000);
+    ThreadRank::broadcast(data, size, root);
+  }
+  void send(const char* data, bsv::Index size, int to) const override
+  {
+    EXPECT_LE(size, 1000);
+    ThreadRank::send(data, size, to);
+  }
+};
+
+TEST(Ranks, LongMessagesAreSplit)
+{
+  const auto errors = onRanks<ShortMessages>(3, [](const Execution& run) {
+    const int rank = run.ranks->rank();
+    const auto values = [](int n, int count) {
+      std::vector<int> list(count);
+      std::iota(list.begin(), list.end(), n);
+      return list;
+    };
+    std::vector<int> all;
+    std::vector<std::vector<int>> toRank(3);
+    for (int r = 0; r < 3; ++r)
+    {
+      const std::vector<int> part = values(r, 40000 * r + 1);
+      all.insert(all.end(), part.begin(), part.end());
+      toRank[r] = values(10 * rank + r, 777 * r + 1);
+    }
+    EXPECT_EQ(run.ranks->gatherAll(values(rank, 40000 * rank + 1)), all);
+    const auto received = run.ranks->exchange(toRank);
+    for (int r = 0; r < 3; ++r)
+    {
+      EXPECT_EQ(received[r], values(10 * r + rank, 777 * rank + 1));
+    }
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
+/// A transport whose call number `FailingCall` on rank 1 fails.
+class BrokenTransport : public bsvtest::ThreadRank
+{
+public:
+  using ThreadRank::ThreadRank;
+  static int FailingCall;
+  static std::atomic<bool> Failed;
+
+protected:
+  void allGather(const char* mine, bsv::Index size, char* all) const override
+  {
+    this->count();
+    ThreadRank::allGather(mine, std::vector<bsv::Index>(this->size(), size), all);
+  }
+  void allGather(const char* mine, const std::vector<bsv::Index>& sizes, char* all) const override
+  {
+    this->count();
+    ThreadRank::allGather(mine, sizes, all);
+  }
+  void broadcast(char* data, bsv::Index size, int root) const override
+  {
+    this->count();
+    ThreadRank::broadcast(data, size, root);
+  }
+  void send(const char* data, bsv::Index size, int to) const override
+  {
+    this->count();
+    ThreadRank::send(data, size, to);
+  }
+  void receive(char* data, bsv::Index size, int from) const override
+  {
+    this->count();
+    ThreadRank::receive(data, size, from);
+  }
+
+private:
+  void count() const
+  {
+    if (this->rank() == 1 && this->Calls++ == FailingCall)
+    {
+      Failed = true;
+      throw bsv::Error("the cable is out");
+    }
+  }
+  mutable int Calls = 0;
+};
+int BrokenTransport::FailingCall = 0;
+std::atomic<bool> BrokenTransport::Failed{ false };
+
+TEST(Ranks, FailingTransportEndsAll)
+{
+  do
+  {
+    BrokenTransport::Failed = false;
+    const auto errors = onRanks<BrokenTransport>(3, [](const Execution& run) { doEverything(run, [] {}); });
+    for (const std::string& error : errors)
+    {
+      EXPECT_EQ(!error.empty(), BrokenTransport::Failed);
+    }
+    ++BrokenTransport::FailingCall;
+  } while (BrokenTransport::Failed);
+  std::cout << BrokenTransport::FailingCall - 1 << " calls tried\n";
 }
 
 TEST(Ranks, ValuesAreSharedByTheirOwners)

@@ -4,9 +4,11 @@
 #pragma once
 
 #include "Mesh/BlockMesh.h"
-#include "Ranks/Ranks.h"
+#include "Ranks/RankGroup.h"
 
+#include <algorithm>
 #include <condition_variable>
+#include <deque>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -21,26 +23,39 @@ namespace bsvtest
 class Exchange
 {
 public:
-  using Bytes = bsv::Ranks::Bytes;
-
   explicit Exchange(int size)
     : Posts(size)
+    , Mail(std::size_t(size) * size)
   {
   }
   int size() const { return static_cast<int>(this->Posts.size()); }
 
-  /// Posts one message per rank and waits for those to `rank`.
-  std::vector<Bytes> pass(int rank, std::vector<Bytes> toRank)
+  /// Shows `mine` to all ranks, who look at what they want of the posts of all while they are there.
+  template <typename Look>
+  void show(int rank, const char* mine, const Look& look)
   {
-    this->Posts[rank] = std::move(toRank);
+    this->Posts[rank] = mine;
     this->meet();
-    std::vector<Bytes> received;
-    for (const std::vector<Bytes>& post : this->Posts)
+    look(this->Posts);
+    this->meet();
+  }
+  void send(int from, int to, const char* data, bsv::Index size)
+  {
+    const std::lock_guard<std::mutex> lock(this->Guard);
+    this->Mail[from * this->size() + to].emplace_back(data, data + size);
+    this->Arrival.notify_all();
+  }
+  void receive(int from, int to, char* data, bsv::Index size)
+  {
+    std::unique_lock<std::mutex> lock(this->Guard);
+    std::deque<std::vector<char>>& box = this->Mail[from * this->size() + to];
+    this->Arrival.wait(lock, [&] { return !box.empty() || this->Left; });
+    if (box.empty() || static_cast<bsv::Index>(box.front().size()) != size)
     {
-      received.push_back(post[rank]);
+      throw bsv::Error("no message of this length comes from another rank");
     }
-    this->meet();
-    return received;
+    std::copy(box.front().begin(), box.front().end(), data);
+    box.pop_front();
   }
   /// Ends all ranks that wait for one that left.
   void leave()
@@ -68,7 +83,8 @@ private:
     }
   }
 
-  std::vector<std::vector<Bytes>> Posts;
+  std::vector<const char*> Posts;
+  std::vector<std::deque<std::vector<char>>> Mail;
   std::mutex Guard;
   std::condition_variable Arrival;
   int Waiting = 0;
@@ -76,11 +92,12 @@ private:
   bool Left = false;
 };
 
-class ThreadRank : public bsv::Ranks
+class ThreadRank : public bsv::RankGroup
 {
 public:
   ThreadRank(Exchange& exchange, int rank)
-    : Shared(exchange)
+    : RankGroup(exchange.size())
+    , Shared(exchange)
     , Rank(rank)
   {
   }
@@ -88,23 +105,43 @@ public:
   int size() const override { return this->Shared.size(); }
 
 protected:
-  std::vector<Bytes> gatherBytes(const Bytes& mine) const override
+  void allGather(const char* mine, bsv::Index size, char* all) const override
   {
-    return this->Shared.pass(this->Rank, std::vector<Bytes>(this->size(), mine));
+    this->allGather(mine, std::vector<bsv::Index>(this->size(), size), all);
   }
-  std::vector<Bytes> exchangeBytes(std::vector<Bytes> toRank) const override
+  void allGather(const char* mine, const std::vector<bsv::Index>& sizes, char* all) const override
   {
-    return this->Shared.pass(this->Rank, std::move(toRank));
+    this->Shared.show(this->Rank, mine, [&](const std::vector<const char*>& posts) {
+      for (int r = 0; r < this->size(); ++r)
+      {
+        all = std::copy_n(posts[r], sizes[r], all);
+      }
+    });
   }
+  void broadcast(char* data, bsv::Index size, int root) const override
+  {
+    this->Shared.show(this->Rank, data, [&](const std::vector<const char*>& posts) {
+      if (root != this->Rank)
+      {
+        std::copy_n(posts[root], size, data);
+      }
+    });
+  }
+  void send(const char* data, bsv::Index size, int to) const override { this->Shared.send(this->Rank, to, data, size); }
+  void receive(char* data, bsv::Index size, int from) const override
+  {
+    this->Shared.receive(from, this->Rank, data, size);
+  }
+  void abandon(const char*) const override { this->Shared.leave(); }
 
 private:
   Exchange& Shared;
   int Rank;
 };
 
-/// Runs work(run) on `size` ranks at once, `run.ranks` being each rank's own.
+/// Runs work(run) on `size` ranks at once, in one scope, `run.ranks` being each rank's own.
 /// @return per rank the text of the exception that ended it, empty if none did.
-template <typename Work>
+template <typename Rank = ThreadRank, typename Work>
 std::vector<std::string> onRanks(int size, const Work& work)
 {
   Exchange exchange(size);
@@ -116,16 +153,12 @@ std::vector<std::string> onRanks(int size, const Work& work)
       try
       {
         bsv::Execution run;
-        run.ranks = std::make_shared<ThreadRank>(exchange, rank);
-        work(run);
+        run.ranks = std::make_shared<Rank>(exchange, rank);
+        run.ranks->together([&] { work(run); });
       }
       catch (const std::exception& error)
       {
         errors[rank] = error.what();
-      }
-      if (!errors[rank].empty())
-      {
-        exchange.leave();
       }
     });
   }
