@@ -15,6 +15,20 @@
 #include <stdexcept>
 #include <string>
 
+/// @name Version of Eigen
+/// The library and what uses its headers must be compiled with the same version of Eigen: two in one process would give
+/// wrong results silently. Every file that includes this refers to a symbol that is named after its version, and the
+/// library has the one of its own, so a mixture does not link: "undefined reference to BSplineVolume_uses_Eigen_3_4".
+///@{
+#define BSV_EIGEN_NAME(world, major) BSplineVolume_uses_Eigen_##world##_##major
+#define BSV_EIGEN_NAME_OF(world, major) BSV_EIGEN_NAME(world, major)
+#define BSV_EIGEN_SYMBOL BSV_EIGEN_NAME_OF(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION)
+extern "C" const char BSV_EIGEN_SYMBOL;
+#ifdef __GNUC__
+[[gnu::used]] static const char* const bsvEigenVersion = &BSV_EIGEN_SYMBOL;
+#endif
+///@}
+
 namespace bsv
 {
 

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The VTK modules, their Python package and the ParaView plugin.
+# Modules, each built on those before it.
+set(bsv_wrapped_modules
+  BSplineVolume::BSplineVolumeFilters
+  BSplineVolume::BSplineVolumeReaders
+  BSplineVolume::BSplineVolumeWriters)
+set(bsv_display_modules)
+set(bsv_display_files)
+if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)
+  set(bsv_display_modules BSplineVolume::BSplineVolumeDisplays)
+  set(bsv_display_files "${PROJECT_SOURCE_DIR}/Plugin/Displays/vtk.module")
+endif ()
+vtk_module_scan(
+  MODULE_FILES
+    "${PROJECT_SOURCE_DIR}/Filters/Core/vtk.module"
+    "${PROJECT_SOURCE_DIR}/Filters/vtk.module"
+    "${PROJECT_SOURCE_DIR}/Readers/vtk.module"
+    "${PROJECT_SOURCE_DIR}/Writers/vtk.module"
+    ${bsv_display_files}
+  REQUEST_MODULES ${bsv_wrapped_modules} ${bsv_display_modules}
+  PROVIDES_MODULES bsv_modules
+  REQUIRES_MODULES bsv_required_modules
+  HIDE_MODULES_FROM_CACHE ON)
+vtk_module_build(
+  MODULES ${bsv_modules}
+  UTILITY_TARGET BSplineVolumeBuildFlags
+  PACKAGE BSplineVolume
+  INSTALL_EXPORT BSplineVolume
+  HEADERS_COMPONENT Development
+  HEADERS_DESTINATION "${bsv_header_dir}"
+  TEST_DIRECTORY_NAME NONE
+  LIBRARY_DESTINATION "${bsv_plugin_dir}"
+  ARCHIVE_DESTINATION "${bsv_plugin_dir}"
+  CMAKE_DESTINATION "${bsv_package_dir}"
+  HIERARCHY_DESTINATION "${CMAKE_INSTALL_LIBDIR}/vtk/hierarchy/BSplineVolume")
+
+if (BSPLINEVOLUME_WRAP_PYTHON)
+  vtk_module_wrap_python(
+    MODULES ${bsv_wrapped_modules}
+    TARGET BSplineVolume::BSplineVolumePython
+    PYTHON_PACKAGE bsplinevolume
+    INSTALL_HEADERS OFF
+    MODULE_DESTINATION "${bsv_plugin_dir}"
+    LIBRARY_DESTINATION "${bsv_plugin_dir}")
+  set(init "# SPDX-License-Identifier: BSD-3-Clause\n")
+  foreach (module IN LISTS bsv_wrapped_modules)
+    string(REPLACE "BSplineVolume::" "" name "${module}")
+    string(APPEND init "from .${name} import *\n")
+  endforeach ()
+  file(GENERATE OUTPUT "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/__init__.py" CONTENT "${init}")
+  install(FILES "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/__init__.py"
+    DESTINATION "${bsv_plugin_dir}/bsplinevolume")
+endif ()
+
+if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)
+  unset(CMAKE_LIBRARY_OUTPUT_DIRECTORY) # paraview_plugin_build() chooses the same folder
+  unset(CMAKE_ARCHIVE_OUTPUT_DIRECTORY)
+  # The scanned file must not be the one at the top level: the folder that holds it is added as a subdirectory.
+  # Plugin/paraview.plugin is a link to it.
+  paraview_plugin_scan(
+    PLUGIN_FILES "${PROJECT_SOURCE_DIR}/Plugin/paraview.plugin"
+    PROVIDES_PLUGINS bsv_plugins
+    ENABLE_BY_DEFAULT ON
+    HIDE_PLUGINS_FROM_CACHE ON)
+  paraview_plugin_build(
+    PLUGINS ${bsv_plugins}
+    INSTALL_HEADERS OFF
+    LIBRARY_DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+endif ()
