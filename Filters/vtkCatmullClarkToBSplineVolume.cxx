@@ -64,8 +64,8 @@ int addBodyFaces(bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& fa
 
 /// The crease lines of a mesh in the control nets of its converted blocks, which may be pieces of those of the mesh:
 /// each piece gets the part that lies in it.
-std::vector<bsv::CreaseLine> creasesOfNets(
-  const std::vector<bsv::CreaseLine>& creases, const bsv::BlockComplex& complex)
+std::vector<bsv::CreaseLine> creasesOfNets(const std::vector<bsv::CreaseLine>& creases,
+  const bsv::BlockComplex& complex, const std::vector<std::array<std::vector<double>, 3>>& knots)
 {
   std::vector<bsv::CreaseLine> result;
   for (std::size_t b = 0; b < complex.blocks.size(); ++b)
@@ -89,8 +89,10 @@ std::vector<bsv::CreaseLine> creasesOfNets(
         const int last = std::min(upper - block.offset[d], cells);
         inside = inside && first <= last;
         isLine = isLine || first < last;
-        // Mesh point i is control point i + 1 of the net, but for the two ends.
-        const auto position = [cells](int i) { return i == 0 ? 0 : i == cells ? cells + 2 : i + 1; };
+        // Mesh point i is control point i + 1 of the net, but for the two ends; more where knots were inserted.
+        const int count = static_cast<int>(knots[b][d].size()) - 4;
+        const int shift = (count - cells - 1) / 2;
+        const auto position = [&](int i) { return i == 0 ? 0 : i == cells ? count - 1 : i + shift; };
         line.from[d] = position(first);
         line.to[d] = position(last);
       }
@@ -115,15 +117,16 @@ void addInts(vtkFieldData* fields, const char* name, const std::vector<int>& val
 }
 
 /// Grid for the control points of a block, with everything but their values.
-vtkSmartPointer<vtkStructuredGrid> controlNet(const bsv::ComplexBlock& block, bsv::ControlNetStorage& storage)
+vtkSmartPointer<vtkStructuredGrid> controlNet(
+  const bsv::ComplexBlock& block, const std::array<std::vector<double>, 3>& knots, bsv::ControlNetStorage& storage)
 {
   auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
   std::array<int, 3> counts{};
   bsv::BSplineVolume volume;
   for (int d = 0; d < 3; ++d)
   {
-    counts[d] = block.cells(d) + 3;
-    volume.knots[d] = bsv::clampedIntegerKnots(block.cells(d));
+    volume.knots[d] = knots[d];
+    counts[d] = volume.count(d);
   }
   bsv::setDegreeAndKnots(grid, volume);
   addInts(grid->GetFieldData(), "ParentBlock", { block.parent });
@@ -224,7 +227,8 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
 }
 
 std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes,
-  const bsv::ConversionOptions& options, const WallPoints& wallPoints, const bsv::ConversionReport& counts)
+  const bsv::ConversionOptions& options, const WallPoints& wallPoints, const bsv::ConversionReport& counts,
+  const std::vector<std::array<std::vector<double>, 3>>& knots)
 {
   std::ostringstream text;
   bsv::Index total = 0;
@@ -297,14 +301,21 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
       text << bsv::controlPointRuleNames()[rule] << ": " << counts.controlPoints[rule] << " control points\n";
     }
   }
-  for (const bsv::ComplexBlock& block : complex.blocks)
+  if (options.continuity == bsv::Continuity::ExactG1)
   {
-    const int i = block.cells(0);
-    const int j = block.cells(1);
-    const int k = block.cells(2);
-    text << block.name << ": " << triple(" x ", i, j, k) << " cells, " << triple(" x ", i + 3, j + 3, k + 3)
-         << " control points, from block " << block.parent << " at point "
-         << triple(", ", block.offset[0], block.offset[1], block.offset[2]) << '\n';
+    const bsv::G1Report& g1 = counts.g1;
+    text << "exact G1 at " << g1.edges << " extraordinary edges in " << g1.layers << " layers of control points, "
+         << g1.skippedLayers << " layers near singular nodes and creases stay as they are; "
+         << g1.fittedVertices + g1.linearVertices << " extraordinary vertices of the wall, " << g1.fittedVertices
+         << " of them fitted to the body\n";
+  }
+  for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+  {
+    const bsv::ComplexBlock& block = complex.blocks[b];
+    const auto points = [&](int d) { return static_cast<int>(knots[b][d].size()) - 4; };
+    text << block.name << ": " << triple(" x ", block.cells(0), block.cells(1), block.cells(2)) << " cells, "
+         << triple(" x ", points(0), points(1), points(2)) << " control points, from block " << block.parent
+         << " at point " << triple(", ", block.offset[0], block.offset[1], block.offset[2]) << '\n';
   }
   return text.str();
 }
@@ -571,6 +582,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     options.planarSides = static_cast<bsv::PlanarSides>(this->PlanarSides);
     options.planarTolerance = this->PlanarTolerance;
     options.twist = static_cast<bsv::Twist>(this->Twist);
+    options.continuity = static_cast<bsv::Continuity>(this->Continuity);
     options.wallSpacing = this->WallSpacing;
     options.automaticWallSpacing = this->WallSpacingMode == GROWTH;
     options.farFieldSpacing = static_cast<bsv::FarFieldSpacing>(this->FarFieldSpacing);
@@ -601,13 +613,14 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     // Control nets of blocks on other ranks stay null.
     std::vector<vtkSmartPointer<vtkStructuredGrid>> nets(complex.blocks.size());
     std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
+    const std::vector<std::array<std::vector<double>, 3>> knots = bsv::conversionKnots(complex, options);
     std::vector<std::string> names;
     ranks.together([&] {
       for (std::size_t b = 0; b < complex.blocks.size(); ++b)
       {
         if (complex.blocks[b].rank == ranks.rank())
         {
-          nets[b] = controlNet(complex.blocks[b], storage[b]);
+          nets[b] = controlNet(complex.blocks[b], knots[b], storage[b]);
         }
         names.push_back(complex.blocks[b].name);
       }
@@ -621,7 +634,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     bsv::setBlocks(output, nets, names, "BSplineVolume");
     setContacts(output, complex);
     // The pipeline passes on that of the input, in mesh points of blocks that may have been cut.
-    bsv::setCreases(output->GetFieldData(), creasesOfNets(mesh.creases, complex));
+    bsv::setCreases(output->GetFieldData(), creasesOfNets(mesh.creases, complex, knots));
     vtkNew<vtkStringArray> ruleNames;
     ruleNames->SetName("ControlPointRuleNames");
     for (const std::string& name : bsv::controlPointRuleNames())
@@ -641,7 +654,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       this->NumberOfControlPoints += counts.controlPoints[rule];
     }
     this->ReceivedBytes = received[ranks.rank()];
-    this->Report = reportText(complex, classes, options, wallPoints, counts) + rankText(complex, received);
+    this->Report = reportText(complex, classes, options, wallPoints, counts, knots) + rankText(complex, received);
     bsv::warn(this, complex.warnings);
   });
 }
@@ -671,6 +684,7 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "PlanarSides: " << this->PlanarSides << '\n';
   os << indent << "PlanarTolerance: " << this->PlanarTolerance << '\n';
   os << indent << "Twist: " << this->Twist << '\n';
+  os << indent << "Continuity: " << this->Continuity << '\n';
   os << indent << "WallSpacing: " << this->WallSpacing << '\n';
   os << indent << "WallSpacingMode: " << this->WallSpacingMode << '\n';
   os << indent << "BoundaryWallSpacings:";

@@ -99,6 +99,12 @@ public:
     LITERAL = 3
   };
 
+  enum ContinuityType
+  {
+    SINGLE_KNOTS = 0,
+    EXACT_G1 = 1
+  };
+
   /**
    * Connects the body, or disconnects it with null.
    */
@@ -214,6 +220,18 @@ public:
    */
   vtkSetClampMacro(Twist, int, SECOND_FUNDAMENTAL_FORM, LITERAL);
   vtkGetMacro(Twist, int);
+  ///@}
+
+  ///@{
+  /**
+   * How smooth blocks join at extraordinary edges and vertices. SINGLE_KNOTS (default): knots 0, 0, 0, 0, 1, 2, .. in
+   * all blocks; normals jump there by degrees that halve with each refinement. EXACT_G1: no jumps, through all layers,
+   * by double knots next to both ends of the directions that touch an extraordinary edge or vertex; with a Body and
+   * wall points on it (ON_BODY) the wall is fitted to it there (Filters/Core/Conversion/G1Joins.h). Near singular nodes
+   * and creases kinks remain.
+   */
+  vtkSetClampMacro(Continuity, int, SINGLE_KNOTS, EXACT_G1);
+  vtkGetMacro(Continuity, int);
   ///@}
 
   ///@{
@@ -365,6 +383,7 @@ private:
   int PlanarSides = FAR_FIELD;
   double PlanarTolerance = 1e-6;
   int Twist = SECOND_FUNDAMENTAL_FORM;
+  int Continuity = SINGLE_KNOTS;
   double WallSpacing = 2.0 / 3.0;
   int WallSpacingMode = CONSTANT;
   std::vector<std::pair<std::string, double>> BoundaryWallSpacings;

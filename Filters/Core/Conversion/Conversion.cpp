@@ -2,8 +2,10 @@
 #include "Conversion/Conversion.h"
 
 #include "Conversion/BodyPropagation.h"
+#include "Conversion/DoubleKnots.h"
 #include "Conversion/EdgeConversion.h"
 #include "Conversion/FaceConversion.h"
+#include "Conversion/G1Joins.h"
 #include "Conversion/SurfaceConversion.h"
 #include "Conversion/VertexConversion.h"
 #include "Mesh/BlockSurface.h"
@@ -88,8 +90,22 @@ void placeExtension(const ConversionContext& context, const LocalStars& stars, F
   }
 }
 
-RuleCounts countRules(const ConversionContext& context, int block)
+RuleCounts countRules(const ConversionContext& context, int block, const std::array<bool, 3>& doubled)
 {
+  if (context.options.continuity == Continuity::ExactG1)
+  {
+    Index count = 1;
+    for (int d = 0; d < 3; ++d)
+    {
+      count *= controlPointCount(context.complex.blocks[block].cells(d), doubled[d]);
+    }
+    RuleCounts all{};
+    for (Index i = 0; i < count; ++i)
+    {
+      ++all[context.nets[block].rules[i]];
+    }
+    return all;
+  }
   const ComplexBlock& owner = context.complex.blocks[block];
   const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
   const auto inside = [&](int d, int i) { return i >= innerPosition(1) && i <= innerPosition(cells[d] - 1); };
@@ -219,6 +235,9 @@ Index convertAll(const ConversionContext& context, const LocalStars& stars, cons
 void countAll(const ConversionContext& context, Index singularNodes, const Execution& run, ConversionReport& report)
 {
   std::vector<RuleCounts> counts(context.options.wallOnly ? 0 : context.complex.blocks.size());
+  const std::vector<std::array<bool, 3>> doubled = context.options.continuity == Continuity::ExactG1
+    ? doubleKnotDirections(context.complex, context.options)
+    : std::vector<std::array<bool, 3>>(counts.size());
   run.ranks->together([&] {
     run.report(0.95);
     run.parallelFor(static_cast<Index>(counts.size()), 1, [&](Index begin, Index end) {
@@ -226,7 +245,7 @@ void countAll(const ConversionContext& context, Index singularNodes, const Execu
       {
         if (context.isHere(block))
         {
-          counts[block] = countRules(context, block);
+          counts[block] = countRules(context, block, doubled[block]);
         }
       }
     });
@@ -255,6 +274,25 @@ void countAll(const ConversionContext& context, Index singularNodes, const Execu
 
 } // namespace
 
+std::vector<std::array<std::vector<double>, 3>> conversionKnots(
+  const BlockComplex& complex, const ConversionOptions& options)
+{
+  std::vector<std::array<bool, 3>> doubled(complex.blocks.size(), std::array<bool, 3>{ false, false, false });
+  if (options.continuity == Continuity::ExactG1)
+  {
+    doubled = doubleKnotDirections(complex, options);
+  }
+  std::vector<std::array<std::vector<double>, 3>> knots(complex.blocks.size());
+  for (std::size_t b = 0; b < knots.size(); ++b)
+  {
+    for (int d = 0; d < 3; ++d)
+    {
+      knots[b][d] = volumeKnots(complex.blocks[b].cells(d), doubled[b][d]);
+    }
+  }
+  return knots;
+}
+
 ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
   const std::vector<ControlNetStorage>& nets, const Execution& run, const EntityRules* known)
 {
@@ -270,6 +308,10 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
     if (options.twist == Twist::Literal && !options.body)
     {
       throw Error("Twist Literal needs the parameters of a Body, and there is none");
+    }
+    if (options.continuity == Continuity::ExactG1 && options.wallOnly)
+    {
+      throw Error("the wall alone is converted with single knots only");
     }
     if (nets.size() != complex.blocks.size())
     {
@@ -297,6 +339,10 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
   }
   const Index singularNodes = convertAll(context, stars, run);
   ConversionReport report;
+  if (options.continuity == Continuity::ExactG1)
+  {
+    report.g1 = makeExactG1(stars.complex(), rules, keeps, options, nets, run);
+  }
   report.planarFaces = rules.planarFaces;
   layer.describe(report);
   countAll(context, singularNodes, run, report);

@@ -47,6 +47,15 @@ enum class Twist : std::uint8_t
   Literal
 };
 
+/// How smooth blocks join at extraordinary edges and vertices.
+enum class Continuity : std::uint8_t
+{
+  /// Single knots everywhere; kinks that halve with each refinement.
+  SingleKnots,
+  /// Double knots in the direction classes that touch an extraordinary edge or vertex, and no kinks (G1Joins.h).
+  ExactG1
+};
+
 /// Where the first inserted layer of the far-field extension lies.
 enum class FarFieldSpacing : std::uint8_t
 {
@@ -68,6 +77,7 @@ struct ConversionOptions
   /// A side is planar if its points are closer to a plane than this fraction of its bounding box's diagonal.
   double planarTolerance = 1e-6;
   Twist twist = Twist::SecondFundamentalForm;
+  Continuity continuity = Continuity::SingleKnots;
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
   double wallSpacing = 2.0 / 3.0;
   /// Take c = (2 + ln g) / (3 + ln g) instead, g = |p_2 - p_1| / |p_1 - p_0| the growth of the layers at each wall
@@ -100,12 +110,31 @@ struct ConversionOptions
   bool wallOnly = false;
 };
 
-/// Where the control net of one block goes: (I+3)(J+3)(K+3) triples and rules, i fastest, allocated by the caller. Null
-/// for blocks of other ranks.
+/// Knots of the blocks that a conversion makes, per block and direction: {0,0,0,0,1,2,..,I-1,I,I,I,I}, with ExactG1
+/// also those of DoubleKnots.h. The same on all ranks.
+std::vector<std::array<std::vector<double>, 3>> conversionKnots(
+  const BlockComplex& complex, const ConversionOptions& options);
+
+/// Where the control net of one block goes: as many triples and rules as its knots say, (I+3)(J+3)(K+3) with single
+/// ones, i fastest, allocated by the caller. Null for blocks of other ranks.
 struct ControlNetStorage
 {
   double* points = nullptr;
   std::uint8_t* rules = nullptr;
+};
+
+/// What ExactG1 did.
+struct G1Report
+{
+  /// Extraordinary edges that were joined, and layers of control points around them; layers left out.
+  Index edges = 0;
+  Index layers = 0;
+  Index skippedLayers = 0;
+  /// Extraordinary vertices of the wall: fitted to the body, of these with the smaller net, and joined by the linear
+  /// rule alone.
+  Index fittedVertices = 0;
+  Index smallFits = 0;
+  Index linearVertices = 0;
 };
 
 struct ConversionReport
@@ -120,6 +149,7 @@ struct ConversionReport
   Index limitedDistances = 0;
   /// Smallest and largest c at the wall.
   std::array<double, 2> wallSpacing{ 2.0 / 3.0, 2.0 / 3.0 };
+  G1Report g1;
 };
 
 /// Converts every block. `nets` has one entry per block of the complex. Collective: every rank converts its own blocks

@@ -551,9 +551,12 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
   Fan points = fan;
   points.center = projection;
   std::vector<Vec3> offsets(n);
+  const Fan smooth = foot.regularOffsets ? smoothFan(fan, twist, std::vector<double>(n, 2.0 / 3.0)) : Fan();
   for (int i = 0; i < n; ++i)
   {
-    const Vec3 border = smoothMask(fan.sectors[(i + n - 1) % n], fan.spokes[i], fan.sectors[i]) - projection;
+    const Vec3 border = foot.regularOffsets
+      ? Vec3(3.0 * (smooth.spokes[i] - smooth.center))
+      : Vec3(smoothMask(fan.sectors[(i + n - 1) % n], fan.spokes[i], fan.sectors[i]) - projection);
     offsets[i] = (border - normal.dot(border) * normal) / 3.0;
     points.spokes[i] = projection + offsets[i];
   }
@@ -586,6 +589,13 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
       continue;
     }
     points.sectors[i] = projection + blend * (offsets[i] + offsets[next]);
+    if (foot.regularOffsets && twist == Twist::SecondFundamentalForm)
+    {
+      // What the layer's own quadratic has in the tangent plane.
+      const Vec3 bend = smooth.sectors[i] - smooth.center -
+        blend * ((smooth.spokes[i] - smooth.center) + (smooth.spokes[next] - smooth.center));
+      points.sectors[i] += bend - normal.dot(bend) * normal;
+    }
     if (twist == Twist::Literal)
     {
       points.sectors[i] += foot.mixedDerivative / 9.0;

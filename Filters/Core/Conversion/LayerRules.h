@@ -101,6 +101,9 @@ struct BodyFoot
   bool hasCurvature = false;
   /// x_uv of the surface in its own parameters, for Twist::Literal.
   Eigen::Vector3d mixedDerivative = Eigen::Vector3d::Zero();
+  /// Neighbours are the offsets of smoothFan projected onto the tangent plane, which stay affinely regular as exact G1
+  /// needs, in place of the projected border points of (5.38).
+  bool regularOffsets = false;
 };
 
 /// Fan of an extraordinary body vertex with a known foot on the given surface ((5.38) to (5.41) with the twist from

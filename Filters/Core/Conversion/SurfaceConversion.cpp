@@ -92,6 +92,7 @@ Fan smoothSurfaceFan(const ConversionContext& context, Star& star, const Fan& fa
 {
   BodyFoot foot{ Vec3::Zero(), Vec3::Zero() };
   star.hasFoot = body && fan.sectorCount() != 4 && bodyFoot(context, star, fan, foot);
+  foot.regularOffsets = context.options.continuity == Continuity::ExactG1;
   return star.hasFoot ? projectedFan(fan, foot, context.options.twist)
                       : fadedFan(fan, context.options.twist, weights, keeps);
 }

@@ -101,6 +101,7 @@ public:
     }
     this->findShared();
     this->Conversion.wallOnly = true;
+    this->Conversion.continuity = Continuity::SingleKnots;
     this->Conversion.wallSpacingPoints.clear();
     for (const std::vector<double>& points : result.spacingPoints)
     {

@@ -83,17 +83,22 @@ struct Nets
   std::vector<std::vector<std::uint8_t>> rules;
   std::vector<ControlNetStorage> storage;
 
-  Nets(const BlockComplex& complex, int rank)
+  Nets(const BlockComplex& complex, const ConversionOptions& options, int rank)
     : points(complex.blocks.size())
     , rules(complex.blocks.size())
     , storage(complex.blocks.size())
   {
+    const auto knots = conversionKnots(complex, options);
     for (std::size_t b = 0; b < complex.blocks.size(); ++b)
     {
       const ComplexBlock& block = complex.blocks[b];
       if (block.rank == rank)
       {
-        const std::size_t count = std::size_t(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
+        std::size_t count = 1;
+        for (const std::vector<double>& along : knots[b])
+        {
+          count *= along.size() - 4;
+        }
         this->points[b].assign(3 * count, NaN);
         this->rules[b].assign(count, 255);
         this->storage[b] = { this->points[b].data(), this->rules[b].data() };
@@ -125,6 +130,8 @@ void expectSame(const ConversionReport& a, const ConversionReport& b)
   EXPECT_EQ(a.extensionDistances, b.extensionDistances);
   EXPECT_EQ(a.limitedDistances, b.limitedDistances);
   EXPECT_EQ(a.wallSpacing, b.wallSpacing);
+  EXPECT_EQ(a.g1.layers, b.g1.layers);
+  EXPECT_EQ(a.g1.fittedVertices, b.g1.fittedVertices);
 }
 
 /// Converts the case on several ranks, block b on rankOf[b], and compares with the serial result.
@@ -133,7 +140,7 @@ void expectSerialBits(const Case& test, const Converted& serial, const std::vect
   const auto errors = bsvtest::onRanks(ranks, [&](const Execution& run) {
     const int rank = run.ranks->rank();
     const BlockComplex complex = complexOf(serial.complex, rankOf, rank);
-    const Nets nets(complex, rank);
+    const Nets nets(complex, test.options, rank);
     const ConversionReport report =
       convertToBSplineVolume(complex, test.optionsOf(blocksOf(rankOf, rank)), nets.storage, run);
     expectSame(report, serial.report);
@@ -403,6 +410,27 @@ TEST(DistributedConversion, TwoWallsInOnePlace)
   EXPECT_EQ(expectSerialBits(test, 4).report.wallSpacing, (std::array<double, 2>{ 0.5, 0.9 }));
 }
 
+TEST(DistributedConversion, ExactG1)
+{
+  Case stack("stack", wavy(meshcases::ring(5, 3, { { 0.0, 0.2, 0.45 }, { 0.45, 0.7, 0.9 } })));
+  Case short1("short", wavy(meshcases::ring(3, 1, { { 0.0, 0.3 }, { 0.3, 0.6 } })));
+  Case nodes("ball", wavy(meshcases::ball(3, 3)));
+  Case body("body", meshcases::polycubeBody({ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, 5, { 1.0, 1.1, 1.3 }));
+  body.mesh.apply([](const Vec3& x) { return Vec3(bodycases::starRadius(x.normalized()) * x); });
+  body.mesh.boundaryNames = { "wall" };
+  for (int b = 0; b < static_cast<int>(body.mesh.blocks.size()); ++b)
+  {
+    body.mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { 5, 5 } }, 0 });
+  }
+  body.options = withRoles({ BoundaryRole::Body });
+  body.body = std::make_shared<BodySurface>(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  for (Case* test : { &stack, &short1, &nodes, &body })
+  {
+    test->options.continuity = Continuity::ExactG1;
+    expectSerialBits(*test, 6);
+  }
+}
+
 TEST(DistributedConversion, WallOnly)
 {
   // Blocks at the wall alone are written.
@@ -598,7 +626,7 @@ std::vector<std::string> errorsOf(const std::function<void(ConversionOptions&, E
   const BlockComplex whole = buildBlockComplex(view);
   return bsvtest::onRanks(4, [&](Execution run) {
     const BlockComplex complex = complexOf(whole, { 0, 1, 2 }, run.ranks->rank());
-    const Nets nets(complex, run.ranks->rank());
+    const Nets nets(complex, ConversionOptions{}, run.ranks->rank());
     ConversionOptions options = withRoles({ BoundaryRole::Body });
     change(options, run);
     convertToBSplineVolume(complex, options, nets.storage, run);
@@ -647,7 +675,7 @@ TEST(DistributedConversion, TrafficGrowsLikeTheSharedSurface)
     Index bytes = 0;
     const auto errors = bsvtest::onRanks(2, [&](const Execution& run) {
       const BlockComplex complex = complexOf(whole, { 0, 1 }, run.ranks->rank());
-      const Nets nets(complex, run.ranks->rank());
+      const Nets nets(complex, ConversionOptions{}, run.ranks->rank());
       convertToBSplineVolume(complex, {}, nets.storage, run);
       bytes = run.ranks->rank() == 0 ? run.ranks->receivedBytes() : bytes;
     });

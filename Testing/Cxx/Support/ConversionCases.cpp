@@ -47,14 +47,14 @@ void convertComplex(Converted& result, const bsv::ConversionOptions& options, co
   result.rules.clear();
   result.volumes.clear();
   std::vector<bsv::ControlNetStorage> nets;
-  for (const bsv::ComplexBlock& block : result.complex.blocks)
+  for (const auto& knots : bsv::conversionKnots(result.complex, options))
   {
     bsv::BSplineVolume volume;
+    volume.knots = knots;
     std::size_t count = 1;
     for (int d = 0; d < 3; ++d)
     {
-      volume.knots[d] = bsv::clampedIntegerKnots(block.cells(d));
-      count *= block.cells(d) + 3;
+      count *= volume.count(d);
     }
     // Points that nobody writes would stay NaN, rules out of range.
     result.points.emplace_back(3 * count, std::numeric_limits<double>::quiet_NaN());
@@ -124,7 +124,7 @@ Jumps interfaceJumps(const Converted& converted)
     const bsv::BSplineVolume& vb = converted.volumes[b.block];
     const int sa = bsv::faceAxis(a.face, 0), ta = bsv::faceAxis(a.face, 1), na = bsv::faceDirection(a.face);
     const int sb = bsv::faceAxis(b.face, 0), tb = bsv::faceAxis(b.face, 1), nb = bsv::faceDirection(b.face);
-    const int ns = va.count(sa) - 3, nt = va.count(ta) - 3;
+    const int ns = va.count(sa), nt = va.count(ta);
     const std::array<int, 3> transform = bsv::cgnsTransform(a.face, b.face, face.orientation);
 
     const auto netPoint = [&](const bsv::BSplineVolume& v, int blockFace, int s, int t, int depth) {
@@ -135,28 +135,29 @@ Jumps interfaceJumps(const Converted& converted)
       p[n] = bsv::faceSide(blockFace) ? v.count(n) - 1 - depth : depth;
       return p;
     };
-    for (int t = 0; t < nt + 3; ++t)
+    for (int t = 0; t < nt; ++t)
     {
-      for (int s = 0; s < ns + 3; ++s)
+      for (int s = 0; s < ns; ++s)
       {
-        const auto st = bsv::mapFacePoint(face.orientation, s, t, ns + 2, nt + 2);
+        const auto st = bsv::mapFacePoint(face.orientation, s, t, ns - 1, nt - 1);
         const Vec3 x = converted.controlPoint(a.block, netPoint(va, a.face, s, t, 0));
         const Vec3 y = converted.controlPoint(b.block, netPoint(vb, b.face, st[0], st[1], 0));
         jumps.openControlPoints += std::memcmp(x.data(), y.data(), sizeof(double) * 3) != 0 ? 1 : 0;
       }
     }
 
-    for (int spanT = 0; spanT < nt; ++spanT)
+    for (const int knotT : bsv::nonEmptySpans(3, va.knots[ta]))
     {
-      for (int spanS = 0; spanS < ns; ++spanS)
+      for (const int knotS : bsv::nonEmptySpans(3, va.knots[sa]))
       {
+        const int spanS = knotS - 3, spanT = knotT - 3;
         bool regular = true;
         double size = 0.0;
         for (int t = spanT; t < spanT + 4; ++t)
         {
           for (int s = spanS; s < spanS + 4; ++s)
           {
-            const auto st = bsv::mapFacePoint(face.orientation, s, t, ns + 2, nt + 2);
+            const auto st = bsv::mapFacePoint(face.orientation, s, t, ns - 1, nt - 1);
             for (int depth = 0; depth < 3; ++depth)
             {
               const Ijk pa = netPoint(va, a.face, s, t, depth);
@@ -178,18 +179,21 @@ Jumps interfaceJumps(const Converted& converted)
               continue;
             }
             ++jumps.regular;
-            const double s = spanS + fs, t = spanT + ft;
+            const auto within = [](const std::vector<double>& knots, int span, double part) {
+              return knots[span] + part * (knots[span + 1] - knots[span]);
+            };
+            const double s = within(va.knots[sa], knotS, fs), t = within(va.knots[ta], knotT, ft);
             Vec3 ua, ub;
             ua[sa] = s;
             ua[ta] = t;
-            ua[na] = bsv::faceSide(a.face) ? va.count(na) - 3 : 0;
+            ua[na] = bsv::faceSide(a.face) ? va.knots[na].back() : 0;
             double u = bsv::swapsAxes(face.orientation) ? t : s;
             double v = bsv::swapsAxes(face.orientation) ? s : t;
-            u = (face.orientation & 2) ? vb.count(sb) - 3 - u : u;
-            v = (face.orientation & 4) ? vb.count(tb) - 3 - v : v;
+            u = (face.orientation & 2) ? vb.knots[sb].back() - u : u;
+            v = (face.orientation & 4) ? vb.knots[tb].back() - v : v;
             ub[sb] = u;
             ub[tb] = v;
-            ub[nb] = bsv::faceSide(b.face) ? vb.count(nb) - 3 : 0;
+            ub[nb] = bsv::faceSide(b.face) ? vb.knots[nb].back() : 0;
             for (int dk = 0; dk <= 2; ++dk)
             {
               for (int dj = 0; dj + dk <= 2; ++dj)
@@ -239,7 +243,11 @@ ProvenSpans provenValid(const Converted& converted, const std::function<bool(int
       }
     }
     volume.points = points.data();
-    const Ijk n{ volume.count(0) - 3, volume.count(1) - 3, volume.count(2) - 3 };
+    Ijk n;
+    for (int d = 0; d < 3; ++d)
+    {
+      n[d] = static_cast<int>(bsv::nonEmptySpans(3, volume.knots[d]).size());
+    }
     std::vector<unsigned char> validity(std::size_t(n[0]) * n[1] * n[2]);
     bsv::JacobianArrays arrays;
     arrays.validity = validity.data();

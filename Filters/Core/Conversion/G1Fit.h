@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file G1Fit.h
+/// The fit R1 of the wall to the body around one extraordinary vertex, with exact G1 (LocalNet.h).
+#pragma once
+
+#include "Conversion/LocalNet.h"
+
+#include <functional>
+#include <vector>
+
+namespace bsv
+{
+
+/// Point of the body and its unit normal, to either side.
+struct FootPoint
+{
+  Vec3 point;
+  Vec3 normal;
+};
+
+/// What the fit knows of the wall around the vertex: per sector the control points of index 0 .. `size` - 1 along both
+/// spokes, the first one fastest, and per spoke the cells along it.
+struct WallPatch
+{
+  int size = 0;
+  std::vector<int> cells;
+  std::vector<std::vector<Vec3>> sectors;
+};
+
+struct G1FitResult
+{
+  /// Reach of the fitted net: 4, 3, or 0 if the start was kept.
+  int reach = 0;
+  /// The net of that reach.
+  LocalNetShape shape;
+  std::vector<Vec3> net;
+  /// Root mean square distance of the samples before and after.
+  double before = 0.0, after = 0.0;
+};
+
+/// Gauss-Newton iterations over the local net, subject to (a) to (d), with P fixed and c_1 in the tangent plane there:
+/// least squares of the distances to the body along its normals at 4 x 4 samples a span over up to `reach` spans,
+/// tangential movement and bending of the change being damped by 0.03 min(1, (kappa h)^2), with h three times the mean
+/// |c_1 - P| and kappa the largest principal curvature near the vertex: the damping vanishes with h as the error does,
+/// and has no unit. Reach 4 if all spokes have 8 cells at least, else 3. The result is taken if no point moved by more
+/// than h / 2 and the distance fell. It does not depend on where the fan starts and in which sense it runs.
+/// @param start a closed fan of kinds 3 whose net fulfils the conditions; all of it in the order of its spokes.
+/// @param foot its centre and the body's normal there; `curvature` the largest absolute principal curvature near it.
+G1FitResult fitToBody(const WallPatch& start, const FootPoint& foot, double curvature,
+  const std::function<FootPoint(const Vec3&)>& closest);
+
+} // namespace bsv
