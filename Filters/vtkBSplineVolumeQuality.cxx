@@ -368,7 +368,7 @@ int vtkBSplineVolumeQuality::RequestData(
     std::vector<std::vector<int>> walls(count);
     for (const bsv::BoundaryPatch& patch : input.boundaries)
     {
-      if (bsv::matchesAny(this->BodyBoundaries, input.boundaryNames[patch.tag]))
+      if (bsv::isBodyBoundary(this->BodyBoundaries, input.boundaryNames, input.boundaryTypes, patch.tag))
       {
         walls[patch.block].push_back(patch.face);
       }
@@ -491,7 +491,7 @@ int vtkBSplineVolumeQuality::RequestData(
       }
     }
     bsv::setBlocks(output, grids, input.names, "Quality");
-    bsv::setWholeFaceContacts(output, interfaces, input.boundaries, input.boundaryNames);
+    bsv::setWholeFaceContacts(output, interfaces, input.boundaries, input.boundaryNames, input.boundaryTypes);
     vtkNew<vtkStringArray> names;
     names->SetName("ValidityNames");
     for (const std::string& name : bsv::validityNames())

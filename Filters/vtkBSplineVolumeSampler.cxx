@@ -121,6 +121,6 @@ int vtkBSplineVolumeSampler::RequestData(
       grids[b] = grid;
     }
     bsv::setBlocks(output, grids, input.names, "Samples");
-    bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames);
+    bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames, input.boundaryTypes);
   });
 }

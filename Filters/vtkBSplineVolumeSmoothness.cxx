@@ -558,7 +558,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
     std::vector<bool> wall(6 * input.volumes.size(), false);
     for (const bsv::BoundaryPatch& patch : input.boundaries)
     {
-      wall[6 * patch.block + patch.face] = bsv::matchesAny(this->BodyBoundaries, input.boundaryNames[patch.tag]);
+      wall[6 * patch.block + patch.face] =
+        bsv::isBodyBoundary(this->BodyBoundaries, input.boundaryNames, input.boundaryTypes, patch.tag);
     }
     const bool all = this->AllOuterFaces || std::find(wall.begin(), wall.end(), true) == wall.end();
     bsv::SmoothnessOptions options;

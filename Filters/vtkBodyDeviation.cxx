@@ -111,7 +111,7 @@ std::vector<WallFace> wallFaces(
   std::vector<bsv::BoundaryPatch> patches;
   for (const bsv::BoundaryPatch& patch : input.boundaries)
   {
-    if (bsv::matchesAny(patterns, input.boundaryNames[patch.tag]))
+    if (bsv::isBodyBoundary(patterns, input.boundaryNames, input.boundaryTypes, patch.tag))
     {
       patches.push_back(patch);
     }

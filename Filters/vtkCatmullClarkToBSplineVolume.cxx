@@ -13,6 +13,7 @@
 #include "Wall/BodyFit.h"
 
 #include "vtkDataObject.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkIdTypeArray.h"
@@ -29,6 +30,7 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -44,6 +46,10 @@ int addBodyFaces(bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& fa
 {
   const int tag = static_cast<int>(mesh.boundaryNames.size());
   mesh.boundaryNames.emplace_back("body");
+  if (!mesh.boundaryTypes.empty())
+  {
+    mesh.boundaryTypes.emplace_back("BCWall");
+  }
   for (const auto& [block, face] : faces)
   {
     if (block < 0 || block >= static_cast<int>(mesh.blocks.size()) || face < 0 || face > 5)
@@ -165,7 +171,35 @@ void setContacts(vtkPartitionedDataSetCollection* volume, const bsv::BlockComple
       boundaries.push_back({ a.block, a.face, {}, face.tag });
     }
   }
-  bsv::setWholeFaceContacts(volume, interfaces, boundaries, complex.boundaryNames);
+  bsv::setWholeFaceContacts(volume, interfaces, boundaries, complex.boundaryNames, complex.boundaryTypes);
+}
+
+/// Says how many cells of the input are hidden: they are converted like all others. Collective.
+void tellHiddenCells(
+  const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const bsv::Ranks& ranks, bsv::BlockComplex& complex)
+{
+  std::array<bsv::Index, 2> mine{}; // cells, blocks
+  for (const auto& grid : grids)
+  {
+    vtkUnsignedCharArray* ghosts = grid ? grid->GetCellGhostArray() : nullptr;
+    const unsigned char* values = ghosts ? ghosts->GetPointer(0) : nullptr;
+    const bsv::Index hidden = !values ? 0
+                                      : std::count_if(values, values + ghosts->GetNumberOfValues(),
+                                          [](unsigned char flags) { return flags & vtkDataSetAttributes::HIDDENCELL; });
+    mine[0] += hidden;
+    mine[1] += hidden > 0;
+  }
+  std::array<bsv::Index, 2> all{};
+  for (const std::array<bsv::Index, 2>& other : ranks.gatherAll(std::vector<std::array<bsv::Index, 2>>{ mine }))
+  {
+    all[0] += other[0];
+    all[1] += other[1];
+  }
+  if (all[0] > 0)
+  {
+    complex.warnings.push_back(std::to_string(all[0]) + " cells in " + std::to_string(all[1]) +
+      " blocks are hidden (blanked): they are converted like all others.");
+  }
 }
 
 std::string triple(const char* separator, int a, int b, int c)
@@ -563,14 +597,13 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       (finding.suspicious() ? complex.warnings : complex.notes).push_back(bsv::describe(mesh, finding));
     }
 
+    tellHiddenCells(meshGrids, ranks, complex);
+
     // The conversion.
-    for (const std::string& name : complex.boundaryNames)
+    options.roles = bsv::boundaryRoles(complex, this->BodyBoundaries, this->SymmetryBoundaries);
+    if (selected >= 0)
     {
-      const bool isBody =
-        static_cast<int>(options.roles.size()) == selected || bsv::matchesAny(this->BodyBoundaries, name);
-      options.roles.push_back(isBody                        ? bsv::BoundaryRole::Body
-          : bsv::matchesAny(this->SymmetryBoundaries, name) ? bsv::BoundaryRole::Symmetry
-                                                            : bsv::BoundaryRole::Other);
+      options.roles[selected] = bsv::BoundaryRole::Body;
     }
     for (const std::string& name : complex.boundaryNames)
     {

@@ -376,7 +376,7 @@ private:
   double FitTolerance = 1e-13;
   int FitIterations = 200;
   bsv::BoundaryPatterns BodyBoundaries = bsv::defaultBodyBoundaries();
-  bsv::BoundaryPatterns SymmetryBoundaries{ "sym*", "bcsym*" };
+  bsv::BoundaryPatterns SymmetryBoundaries = bsv::defaultSymmetryBoundaries();
   std::vector<std::array<int, 2>> BodyFaces;
   bool UseCreaseAngle = false;
   double CreaseAngle = 30.0;

@@ -309,12 +309,7 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
     const bsv::BlockComplex complex =
       bsv::buildBlockComplex(mesh, complexOptions, bsv::filterExecution(this, 0.0, 0.3));
     bsv::ConversionOptions conversion;
-    for (const std::string& name : complex.boundaryNames)
-    {
-      conversion.roles.push_back(bsv::matchesAny(this->BodyBoundaries, name) ? bsv::BoundaryRole::Body
-          : bsv::matchesAny(this->SymmetryBoundaries, name)                  ? bsv::BoundaryRole::Symmetry
-                                                                             : bsv::BoundaryRole::Other);
-    }
+    conversion.roles = bsv::boundaryRoles(complex, this->BodyBoundaries, this->SymmetryBoundaries);
     if (std::find(conversion.roles.begin(), conversion.roles.end(), bsv::BoundaryRole::Body) == conversion.roles.end())
     {
       throw bsv::Error("no boundary of the mesh is a wall: Body Boundaries are " +

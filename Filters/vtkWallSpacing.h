@@ -242,7 +242,7 @@ private:
   int Level = 1;
   double MaximumGrowth = 1.2;
   bsv::BoundaryPatterns BodyBoundaries = bsv::defaultBodyBoundaries();
-  bsv::BoundaryPatterns SymmetryBoundaries{ "sym*", "bcsym*" };
+  bsv::BoundaryPatterns SymmetryBoundaries = bsv::defaultSymmetryBoundaries();
   bool UseCreaseAngle = false;
   double CreaseAngle = 30.0;
 

@@ -7,6 +7,8 @@
 #include "Formats/NeutralMapFile.h"
 #include "Formats/Plot3DFile.h"
 
+#include "vtkCellData.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"
 #include "vtkFloatArray.h"
@@ -20,8 +22,11 @@
 #include "vtkPoints.h"
 #include "vtkSmartPointer.h"
 #include "vtkStructuredGrid.h"
+#include "vtkUnsignedCharArray.h"
 #include "vtksys/SystemTools.hxx"
 
+#include <algorithm>
+#include <array>
 #include <new>
 
 vtkStandardNewMacro(vtkHexBlockMeshReader);
@@ -42,6 +47,41 @@ vtkSmartPointer<Array> adopt(std::unique_ptr<Value[]>& values, int components, b
   array->SetNumberOfComponents(components);
   array->SetArray(values.release(), components * tuples, 0, Array::VTK_DATA_ARRAY_DELETE);
   return array;
+}
+
+/// Cells of blanked points are hidden, as ParaView's own PLOT3D reader hides them.
+void hideBlankedCells(vtkStructuredGrid* grid, vtkIntArray* iblank)
+{
+  const int* values = iblank->GetPointer(0);
+  if (std::find(values, values + iblank->GetNumberOfValues(), 0) == values + iblank->GetNumberOfValues())
+  {
+    return;
+  }
+  vtkNew<vtkUnsignedCharArray> ghosts;
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  ghosts->SetNumberOfValues(grid->GetNumberOfCells());
+  int dimensions[3];
+  grid->GetDimensions(dimensions);
+  const vtkIdType row = dimensions[0];
+  const vtkIdType layer = row * dimensions[1];
+  vtkIdType cell = 0;
+  for (int k = 0; k + 1 < dimensions[2]; ++k)
+  {
+    for (int j = 0; j + 1 < dimensions[1]; ++j)
+    {
+      for (int i = 0; i + 1 < dimensions[0]; ++i, ++cell)
+      {
+        bool hidden = false;
+        for (int corner = 0; corner < 8; ++corner)
+        {
+          hidden =
+            hidden || values[i + (corner & 1) + row * (j + (corner >> 1 & 1)) + layer * (k + (corner >> 2))] == 0;
+        }
+        ghosts->SetValue(cell, hidden ? vtkDataSetAttributes::HIDDENCELL : 0);
+      }
+    }
+  }
+  grid->GetCellData()->AddArray(ghosts);
 }
 
 /// Grid that takes over the points of the block; null if they are not here.
@@ -68,8 +108,40 @@ vtkSmartPointer<vtkStructuredGrid> adopt(bsv::GridBlock& block)
     const auto array = adopt<vtkIntArray>(block.iblank, 1, block.size());
     array->SetName("IBlank");
     grid->GetPointData()->AddArray(array);
+    hideBlankedCells(grid, array);
   }
   return grid;
+}
+
+/// Says how many points the file blanks or takes from other grids. Collective.
+void tellBlanked(const std::vector<bsv::GridBlock>& blocks, const bsv::Ranks& ranks, std::vector<std::string>& warnings)
+{
+  // Blanked, interpolated, blocks with such points.
+  std::array<bsv::Index, 3> counts{};
+  for (const bsv::GridBlock& block : blocks)
+  {
+    const int* values = block.isHere() ? block.iblank.get() : nullptr;
+    const bsv::Index size = values ? block.size() : 0;
+    const bsv::Index blanked = std::count(values, values + size, 0);
+    const bsv::Index interpolated = std::count_if(values, values + size, [](int value) { return value < 0; });
+    counts[0] += blanked;
+    counts[1] += interpolated;
+    counts[2] += blanked + interpolated > 0;
+  }
+  std::array<bsv::Index, 3> all{};
+  for (const std::array<bsv::Index, 3>& other : ranks.gatherAll(std::vector<std::array<bsv::Index, 3>>{ counts }))
+  {
+    for (int n = 0; n < 3; ++n)
+    {
+      all[n] += other[n];
+    }
+  }
+  if (all[2] > 0)
+  {
+    warnings.push_back("iblank marks " + std::to_string(all[0]) + " points as blanked (0) and " +
+      std::to_string(all[1]) + " as interpolated from other grids (negative), in " + std::to_string(all[2]) +
+      " of the blocks; the cells of blanked points are hidden, but belong to the mesh");
+  }
 }
 
 } // namespace
@@ -112,6 +184,7 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     std::string layoutName;
     std::vector<bsv::GridBlock> blocks;
     bsv::BlockMesh mesh;
+    std::vector<std::string> warnings;
     if (bsv::looksLikeCGNS(this->FileName))
     {
       bsv::CGNSZones zones = bsv::readCGNS(this->FileName, run, piece);
@@ -119,6 +192,8 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
       mesh.interfaces = std::move(zones.interfaces);
       mesh.boundaries = std::move(zones.boundaries);
       mesh.boundaryNames = std::move(zones.boundaryNames);
+      mesh.boundaryTypes = std::move(zones.boundaryTypes);
+      warnings = std::move(zones.warnings);
       layoutName = "CGNS";
     }
     else
@@ -134,6 +209,7 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
         layoutName = "PLOT3D, " + layout.description();
       });
     }
+    tellBlanked(blocks, *run.ranks, warnings);
     for (const bsv::GridBlock& block : blocks)
     {
       mesh.blocks.push_back(bsv::meshBlock(block));
@@ -141,14 +217,16 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     if (this->UseNeutralMap && layoutName != "CGNS")
     {
       const std::string extension = vtksys::SystemTools::GetFilenameLastExtension(this->FileName);
-      const std::string beside = this->FileName.substr(0, this->FileName.size() - extension.size()) + ".nmf";
-      if (!this->NeutralMapFile.empty())
+      const std::string stem = this->FileName.substr(0, this->FileName.size() - extension.size());
+      std::string map = this->NeutralMapFile;
+      for (const char* ending : { ".nmf", ".NMF", ".Nmf" })
       {
-        bsv::readNeutralMap(this->NeutralMapFile, mesh, run);
+        const bool here = map.empty() && vtksys::SystemTools::FileExists(stem + ending, true);
+        map = run.ranks->any(here) ? stem + ending : map;
       }
-      else if (run.ranks->any(vtksys::SystemTools::FileExists(beside, true)))
+      if (!map.empty())
       {
-        bsv::readNeutralMap(beside, mesh, run);
+        bsv::readNeutralMap(map, mesh, warnings, run);
       }
     }
 
@@ -164,6 +242,13 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     bsv::setConnectivity(result->GetFieldData(), mesh);
     output->ShallowCopy(result);
     this->FileLayout = layoutName;
+    for (const std::string& warning : warnings)
+    {
+      if (run.ranks->rank() == 0)
+      {
+        vtkWarningMacro(<< this->FileName << ": " << warning);
+      }
+    }
     this->UpdateProgress(1.0);
   });
   if (!success)

@@ -172,7 +172,7 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
     fields->AddArray(notReadCount);
     if (!this->NotRead.empty() && run.ranks->rank() == 0)
     {
-      vtkWarningMacro(<< this->FileName << ": left out, because they are no surfaces: " << this->NotRead);
+      vtkWarningMacro(<< this->FileName << ": left out: " << this->NotRead);
     }
     if (content.approximated > 0 && run.ranks->rank() == 0)
     {

@@ -202,6 +202,7 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks
   result.interfaces = std::move(mesh.interfaces);
   result.boundaries = std::move(mesh.boundaries);
   result.boundaryNames = std::move(mesh.boundaryNames);
+  result.boundaryTypes = std::move(mesh.boundaryTypes);
   return result;
 }
 
@@ -222,7 +223,8 @@ void setDegreeAndKnots(vtkStructuredGrid* grid, const BSplineVolume& volume)
 }
 
 void setWholeFaceContacts(vtkPartitionedDataSetCollection* collection, const std::vector<Interface>& interfaces,
-  const std::vector<BoundaryPatch>& boundaries, const std::vector<std::string>& boundaryNames)
+  const std::vector<BoundaryPatch>& boundaries, const std::vector<std::string>& boundaryNames,
+  const std::vector<std::string>& boundaryTypes)
 {
   // The arrays say "whole" without numbers: any counts do, if the ranges fit them.
   const std::vector<Ijk> counts(collection->GetNumberOfPartitionedDataSets(), Ijk{ 2, 2, 2 });
@@ -239,7 +241,7 @@ void setWholeFaceContacts(vtkPartitionedDataSetCollection* collection, const std
     patch.range = whole;
   }
   setInterfaces(collection->GetFieldData(), contacts, counts);
-  setBoundaries(collection->GetFieldData(), patches, boundaryNames, counts);
+  setBoundaries(collection->GetFieldData(), patches, boundaryNames, counts, boundaryTypes);
 }
 
 } // namespace bsv

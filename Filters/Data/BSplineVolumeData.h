@@ -58,6 +58,8 @@ struct BSplineVolumeBlocks
   std::vector<Interface> interfaces;
   std::vector<BoundaryPatch> boundaries;
   std::vector<std::string> boundaryNames;
+  /// BlockMesh::boundaryTypes.
+  std::vector<std::string> boundaryTypes;
 
   /// Whether the points of a block are on this rank.
   bool isHere(std::size_t block) const { return this->grids[block] != nullptr; }
@@ -83,6 +85,6 @@ BSPLINEVOLUMEFILTERS_EXPORT void setDegreeAndKnots(vtkStructuredGrid* grid, cons
 /// Writes the whole-face interfaces and boundaries to the collection's field data.
 BSPLINEVOLUMEFILTERS_EXPORT void setWholeFaceContacts(vtkPartitionedDataSetCollection* collection,
   const std::vector<Interface>& interfaces, const std::vector<BoundaryPatch>& boundaries,
-  const std::vector<std::string>& boundaryNames);
+  const std::vector<std::string>& boundaryNames, const std::vector<std::string>& boundaryTypes = {});
 
 } // namespace bsv

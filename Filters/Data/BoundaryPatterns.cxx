@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/BoundaryPatterns.h"
 
+#include "Conversion/Conversion.h"
+
 #include <algorithm>
 #include <cctype>
 
@@ -53,10 +55,49 @@ const BoundaryPatterns& defaultBodyBoundaries()
   return patterns;
 }
 
+const BoundaryPatterns& defaultSymmetryBoundaries()
+{
+  static const BoundaryPatterns patterns{ "sym*", "bcsym*" };
+  return patterns;
+}
+
 bool matchesAny(const BoundaryPatterns& patterns, const std::string& name)
 {
   return std::any_of(
     patterns.begin(), patterns.end(), [&name](const std::string& pattern) { return matches(pattern, name); });
+}
+
+bool selectsBoundary(const BoundaryPatterns& patterns, const BoundaryPatterns& defaults,
+  const std::vector<std::string>& names, const std::vector<std::string>& types, int tag)
+{
+  const std::string type = tag < static_cast<int>(types.size()) ? types[tag] : "";
+  const bool typed = !type.empty() && type != "BCTypeUserDefined" && type != "BCTypeNull" && type != "BCGeneral" &&
+    type != "FamilySpecified";
+  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+    const bool byType = typed && std::find(defaults.begin(), defaults.end(), pattern) != defaults.end();
+    return (!byType && matches(pattern, names[tag])) || (typed && matches(pattern, type));
+  });
+}
+
+bool isBodyBoundary(const BoundaryPatterns& patterns, const std::vector<std::string>& names,
+  const std::vector<std::string>& types, int tag)
+{
+  return selectsBoundary(patterns, defaultBodyBoundaries(), names, types, tag);
+}
+
+std::vector<BoundaryRole> boundaryRoles(
+  const BlockComplex& complex, const BoundaryPatterns& body, const BoundaryPatterns& symmetry)
+{
+  const std::vector<std::string>& names = complex.boundaryNames;
+  std::vector<BoundaryRole> roles;
+  for (int tag = 0; tag < static_cast<int>(names.size()); ++tag)
+  {
+    roles.push_back(isBodyBoundary(body, names, complex.boundaryTypes, tag) ? BoundaryRole::Body
+        : selectsBoundary(symmetry, defaultSymmetryBoundaries(), names, complex.boundaryTypes, tag)
+        ? BoundaryRole::Symmetry
+        : BoundaryRole::Other);
+  }
+  return roles;
 }
 
 std::string quotedList(const std::vector<std::string>& names)

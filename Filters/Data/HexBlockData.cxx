@@ -349,17 +349,20 @@ vtkIntArray* intArray(vtkFieldData* fields, const IntArrayKind& kind)
   return array;
 }
 
-/// The array `BoundaryNames`, or null.
-vtkStringArray* boundaryNames(vtkFieldData* fields)
+/// The arrays of one string per boundary.
+constexpr const char* BoundaryTexts[] = { "BoundaryNames", "BoundaryTypes" };
+
+/// One of BoundaryTexts, or null.
+vtkStringArray* boundaryTexts(vtkFieldData* fields, const char* name)
 {
-  vtkAbstractArray* any = fields ? fields->GetAbstractArray("BoundaryNames") : nullptr;
-  auto* names = vtkStringArray::SafeDownCast(any);
-  if (any && (!names || names->GetNumberOfComponents() != 1))
+  vtkAbstractArray* any = fields ? fields->GetAbstractArray(name) : nullptr;
+  auto* texts = vtkStringArray::SafeDownCast(any);
+  if (any && (!texts || texts->GetNumberOfComponents() != 1))
   {
-    throw Error("Field data array 'BoundaryNames' must hold strings, one a tuple, but is " +
+    throw Error("Field data array '" + std::string(name) + "' must hold strings, one a tuple, but is " +
       std::string(any->GetClassName()) + " with " + std::to_string(any->GetNumberOfComponents()) + " components.");
   }
-  return names;
+  return texts;
 }
 
 /// Gives every rank the array that some of them have, and refuses different ones. Collective.
@@ -422,7 +425,10 @@ vtkSmartPointer<vtkFieldData> sharedFields(vtkFieldData* mine, const Ranks& rank
     {
       intArray(mine, *kind);
     }
-    boundaryNames(mine);
+    for (const char* name : BoundaryTexts)
+    {
+      boundaryTexts(mine, name);
+    }
   });
   auto fields = vtkSmartPointer<vtkFieldData>::New();
   for (const IntArrayKind* kind : { &InterfacesArray, &BoundariesArray, &CreasesArray })
@@ -444,26 +450,29 @@ vtkSmartPointer<vtkFieldData> sharedFields(vtkFieldData* mine, const Ranks& rank
       fields->AddArray(array);
     }
   }
-  // Each name with a zero behind it.
-  std::unique_ptr<std::vector<char>> letters;
-  if (vtkStringArray* names = boundaryNames(mine))
+  for (const char* array : BoundaryTexts)
   {
-    letters = std::make_unique<std::vector<char>>();
-    for (vtkIdType i = 0; i < names->GetNumberOfValues(); ++i)
+    // Each text with a zero behind it.
+    std::unique_ptr<std::vector<char>> letters;
+    if (vtkStringArray* texts = boundaryTexts(mine, array))
     {
-      const char* name = names->GetValue(i).c_str();
-      letters->insert(letters->end(), name, name + std::strlen(name) + 1);
+      letters = std::make_unique<std::vector<char>>();
+      for (vtkIdType i = 0; i < texts->GetNumberOfValues(); ++i)
+      {
+        const char* text = texts->GetValue(i).c_str();
+        letters->insert(letters->end(), text, text + std::strlen(text) + 1);
+      }
     }
-  }
-  if (const auto all = sharedArray(std::move(letters), "BoundaryNames", ranks))
-  {
-    vtkNew<vtkStringArray> names;
-    names->SetName("BoundaryNames");
-    for (auto at = all->begin(); at != all->end(); at = std::find(at, all->end(), '\0') + 1)
+    if (const auto all = sharedArray(std::move(letters), array, ranks))
     {
-      names->InsertNextValue(&*at);
+      vtkNew<vtkStringArray> texts;
+      texts->SetName(array);
+      for (auto at = all->begin(); at != all->end(); at = std::find(at, all->end(), '\0') + 1)
+      {
+        texts->InsertNextValue(&*at);
+      }
+      fields->AddArray(texts);
     }
-    fields->AddArray(names);
   }
   return fields;
 }
@@ -584,10 +593,21 @@ void readInterfaces(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, B
 
 void readBoundaries(vtkFieldData* fields, const std::vector<int>& blockOfLeaf, BlockMesh& mesh)
 {
-  vtkStringArray* names = boundaryNames(fields);
+  vtkStringArray* names = boundaryTexts(fields, "BoundaryNames");
   for (vtkIdType i = 0; names && i < names->GetNumberOfValues(); ++i)
   {
     mesh.boundaryNames.push_back(names->GetValue(i));
+  }
+  vtkStringArray* types = boundaryTexts(fields, "BoundaryTypes");
+  if (types && types->GetNumberOfValues() != static_cast<vtkIdType>(mesh.boundaryNames.size()))
+  {
+    throw Error("Field data array 'BoundaryTypes' has " + std::to_string(types->GetNumberOfValues()) +
+      " entries, but 'BoundaryNames' has " + std::to_string(mesh.boundaryNames.size()) +
+      "; there must be one per name.");
+  }
+  for (vtkIdType i = 0; types && i < types->GetNumberOfValues(); ++i)
+  {
+    mesh.boundaryTypes.push_back(types->GetValue(i));
   }
 
   vtkIntArray* array = intArray(fields, BoundariesArray);
@@ -780,7 +800,7 @@ void setInterfaces(vtkFieldData* fields, const std::vector<Interface>& interface
 }
 
 void setBoundaries(vtkFieldData* fields, const std::vector<BoundaryPatch>& boundaries,
-  const std::vector<std::string>& names, const std::vector<Ijk>& counts)
+  const std::vector<std::string>& names, const std::vector<Ijk>& counts, const std::vector<std::string>& types)
 {
   const bool partial = std::any_of(boundaries.begin(), boundaries.end(),
     [&](const BoundaryPatch& patch) { return patch.range != wholeFace(counts[patch.block], patch.face); });
@@ -789,16 +809,20 @@ void setBoundaries(vtkFieldData* fields, const std::vector<BoundaryPatch>& bound
       patch.range.lo[1], patch.range.hi[1] };
   });
 
-  fields->RemoveArray("BoundaryNames");
-  if (!names.empty())
+  for (const char* name : BoundaryTexts)
   {
-    vtkNew<vtkStringArray> array;
-    array->SetName("BoundaryNames");
-    for (const std::string& name : names)
+    fields->RemoveArray(name);
+    const std::vector<std::string>& texts = name == BoundaryTexts[0] ? names : types;
+    if (!texts.empty())
     {
-      array->InsertNextValue(name);
+      vtkNew<vtkStringArray> array;
+      array->SetName(name);
+      for (const std::string& text : texts)
+      {
+        array->InsertNextValue(text);
+      }
+      fields->AddArray(array);
     }
-    fields->AddArray(array);
   }
 }
 
@@ -817,7 +841,7 @@ void setConnectivity(vtkFieldData* fields, const BlockMesh& mesh)
     counts.push_back(block.points.counts());
   }
   setInterfaces(fields, mesh.interfaces, counts);
-  setBoundaries(fields, mesh.boundaries, mesh.boundaryNames, counts);
+  setBoundaries(fields, mesh.boundaries, mesh.boundaryNames, counts, mesh.boundaryTypes);
   setCreases(fields, mesh.creases);
 }
 

@@ -12,6 +12,7 @@
 /// - `Boundaries` (int, 3): block, face, tag; or 7, if any covers only part of its face: block, face, tag, sMin, sMax,
 ///   tMin, tMax
 /// - `BoundaryNames` (string): the name of tag 0, 1, ..
+/// - `BoundaryTypes` (string): what tag 0, 1, .. is, a type of CGNS such as BCWallViscous; one per name
 /// - `CreaseEdges` (int, 7): block, i, j, k of the first and i, j, k of the last mesh point of a run along a grid line
 ///
 /// Faces, face axes and orientation codes are those of BlockTopology.h, ranges are mesh point indices from 0, both
@@ -80,7 +81,7 @@ BSPLINEVOLUMEFILTERS_EXPORT vtkSmartPointer<vtkDoubleArray> doublePointArray(
 BSPLINEVOLUMEFILTERS_EXPORT void setInterfaces(
   vtkFieldData* fields, const std::vector<Interface>& interfaces, const std::vector<Ijk>& counts);
 BSPLINEVOLUMEFILTERS_EXPORT void setBoundaries(vtkFieldData* fields, const std::vector<BoundaryPatch>& boundaries,
-  const std::vector<std::string>& names, const std::vector<Ijk>& counts);
+  const std::vector<std::string>& names, const std::vector<Ijk>& counts, const std::vector<std::string>& types = {});
 BSPLINEVOLUMEFILTERS_EXPORT void setCreases(vtkFieldData* fields, const std::vector<CreaseLine>& creases);
 ///@}
 

@@ -2,7 +2,7 @@
 #include "Formats/CGNSZones.h"
 
 #include "Formats/CGNSTree.h"
-#include "Formats/FaceContact.h"
+#include "Formats/DeclaredConnectivity.h"
 
 #include <vtk_cgns.h>
 // clang-format off
@@ -11,13 +11,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <new>
-#include <set>
 
 namespace bsv
 {
@@ -37,6 +38,37 @@ std::string toString(const PointRange& range)
       std::to_string(range[at + 2]) + ")";
   };
   return point(0) + " to " + point(3);
+}
+
+/// Without blanks at the ends: the library pads some names.
+std::string trimmed(const std::string& text)
+{
+  const std::size_t first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") + 1 - first);
+}
+
+/// Whether a mesh generator made up the name by counting, such as "BC_12", "dom-3" or "C00021".
+bool isNumbered(const std::string& name)
+{
+  std::string word;
+  bool digits = false;
+  for (const char c : name)
+  {
+    const auto letter = static_cast<unsigned char>(c);
+    digits = digits || std::isdigit(letter);
+    if (!std::isdigit(letter) && c != '_' && c != '-' && c != ' ' && c != '.' && c != ':' && c != '#')
+    {
+      if (digits)
+      {
+        return false;
+      }
+      word += static_cast<char>(std::tolower(letter));
+    }
+  }
+  static const char* const words[] = { "", "bc", "bcs", "boco", "bnd", "bndry", "boundary", "boundarycondition",
+    "condition", "cond", "dom", "domain", "face", "patch", "subface", "surface", "surf", "side", "zone", "block" };
+  return (digits && word.size() == 1) ||
+    ((digits || word.empty()) && std::find(std::begin(words), std::end(words), word) != std::end(words));
 }
 
 /// Without a handler the library writes to the console.
@@ -79,17 +111,24 @@ public:
   {
     int bases = 0;
     this->check(cg_nbases(this->File, &bases), "");
+    const bool others = this->volumeBases(bases) > 0;
     for (this->Base = 1; this->Base <= bases; ++this->Base)
     {
-      this->readBase();
+      this->readBase(others);
     }
     this->Where.clear();
     if (this->Zones.blocks.empty())
     {
       this->fail("the file has no zones");
     }
+    this->Declared.finish(this->Mesh, this->Left);
     this->readCoordinates();
-    contacts = std::move(this->Contacts);
+    contacts = this->Declared.contacts();
+    this->Zones.interfaces = std::move(this->Mesh.interfaces);
+    this->Zones.boundaries = std::move(this->Mesh.boundaries);
+    this->Zones.boundaryNames = std::move(this->Mesh.boundaryNames);
+    this->Zones.boundaryTypes = std::move(this->Mesh.boundaryTypes);
+    this->Zones.warnings = this->Left.sentences();
     return std::move(this->Zones);
   }
 
@@ -104,7 +143,19 @@ private:
     }
   }
 
-  void readBase()
+  /// Why the base holds no mesh of hexahedra; empty if it does, or if it is empty.
+  std::string unusable(int zones, int cellDimension, int physicalDimension)
+  {
+    if (zones > 0 && (cellDimension != 3 || physicalDimension != 3))
+    {
+      return "the cells are of dimension " + std::to_string(cellDimension) + " in a space of dimension " +
+        std::to_string(physicalDimension) + (cellDimension == 2 ? ", a surface mesh" : "") + "; hexahedra need 3 and 3";
+    }
+    return {};
+  }
+
+  /// @param others whether there are other bases with zones: then one that cannot be used may be left out.
+  void readBase(bool others)
   {
     Name name{};
     int cellDimension = 0;
@@ -114,13 +165,18 @@ private:
     this->check(cg_base_read(this->File, this->Base, name.data(), &cellDimension, &physicalDimension), "base");
     this->check(cg_nzones(this->File, this->Base, &zones), "zones");
     this->Where = std::string(", base '") + name.data() + "'";
-    if (zones > 0 && (cellDimension != 3 || physicalDimension != 3))
+    const std::string why = this->unusable(zones, cellDimension, physicalDimension);
+    if (!why.empty() && others)
     {
-      this->fail("the cells are of dimension " + std::to_string(cellDimension) + " in a space of dimension " +
-        std::to_string(physicalDimension) + (cellDimension == 2 ? ", a surface mesh" : "") +
-        "; hexahedra need 3 and 3");
+      this->Left.add("bases left out", this->Where.substr(2) + ": " + why);
+      return;
+    }
+    if (!why.empty())
+    {
+      this->fail(why);
     }
     const std::string base = this->Where;
+    this->readFamilies();
 
     this->FirstBlock = static_cast<int>(this->Zones.blocks.size());
     this->BlockOfName.clear();
@@ -137,6 +193,23 @@ private:
       this->readInterfaces();
       this->readBoundaries();
     }
+  }
+
+  /// Bases whose cells are volumes.
+  int volumeBases(int bases)
+  {
+    int found = 0;
+    for (int base = 1; base <= bases; ++base)
+    {
+      Name name{};
+      int cellDimension = 0;
+      int physicalDimension = 0;
+      int zones = 0;
+      this->check(cg_base_read(this->File, base, name.data(), &cellDimension, &physicalDimension), "base");
+      this->check(cg_nzones(this->File, base, &zones), "zones");
+      found += zones > 0 && cellDimension == 3 && physicalDimension == 3;
+    }
+    return found;
   }
 
   void readZone(const std::string& base)
@@ -326,12 +399,6 @@ private:
     return found->second;
   }
 
-  void addBoundary(const DirectedRange& range, const std::string& name)
-  {
-    this->Zones.boundaries.push_back(
-      { range.block, range.face, range.range(), nameIndex(this->Zones.boundaryNames, name) });
-  }
-
   void readInterfaces()
   {
     int contacts = 0;
@@ -361,7 +428,7 @@ private:
       float translation[3];
       if (cg_1to1_periodic_read(this->File, this->Base, this->Zone, c, center, angle, translation) == CG_OK)
       {
-        this->addBoundary(own, "Periodic");
+        this->Declared.addBoundary(own, "Periodic", UnknownBoundaryType, this->Where.substr(2));
         continue;
       }
       this->addInterface(own, other, range, donorRange, transform);
@@ -408,11 +475,7 @@ private:
       this->fail(error.what());
     }
     // The other zone declares the same contact.
-    if (this->Known.insert(contact).second)
-    {
-      this->Zones.interfaces.push_back(contact);
-      this->Contacts.push_back({ contact, this->FileName + this->Where });
-    }
+    this->Declared.addContact(contact, this->FileName + this->Where);
   }
 
   void readBoundaries()
@@ -426,6 +489,12 @@ private:
       this->readBoundary(zone, c);
     }
     this->Where = zone;
+  }
+
+  /// The mesh can do without the condition that is being read.
+  void leaveOut(const std::string& why)
+  {
+    this->Left.add("boundary conditions left out", this->Where.substr(2) + ": " + why);
   }
 
   void readBoundary(const std::string& zone, int condition)
@@ -447,19 +516,21 @@ private:
     const bool isRange = set == CGNS_ENUMV(PointRange);
     if (!isRange && set != CGNS_ENUMV(PointList))
     {
-      this->fail(std::string("the points are given as ") + cg_PointSetTypeName(set) +
-        "; only PointRange and PointList can be read");
+      this->leaveOut(
+        std::string("its points are given as ") + cg_PointSetTypeName(set) + ", not as PointRange or PointList");
+      return;
     }
     if (isRange ? count != 2 : count < 0 || count > 8 * this->Zones.blocks[block].size())
     {
-      this->fail("the number of points is " + std::to_string(count));
+      this->leaveOut("the number of its points is " + std::to_string(count));
+      return;
     }
     CGNS_ENUMT(GridLocation_t) location = CGNS_ENUMV(Vertex);
     this->check(cg_boco_gridlocation_read(this->File, this->Base, this->Zone, condition, &location), "location");
     std::vector<cgsize_t> points(static_cast<std::size_t>(3 * count));
     this->check(cg_boco_read(this->File, this->Base, this->Zone, condition, points.data(), nullptr), "points");
 
-    const std::string label = this->boundaryName(name.data(), type, condition);
+    const BoundaryLabel label = this->boundaryLabel(name.data(), type, condition);
     if (isRange)
     {
       this->addRange(block, points, location, label);
@@ -470,41 +541,127 @@ private:
     }
   }
 
-  std::string boundaryName(const std::string& name, CGNS_ENUMT(BCType_t) type, int condition) const
+  struct BoundaryLabel
   {
-    Name family{};
+    std::string name;
+    std::string type;
+  };
+
+  /// Its name is that of its family, or its own one if that is more than a number; its type is its own one, or else
+  /// that of its family.
+  BoundaryLabel boundaryLabel(const std::string& own, CGNS_ENUMT(BCType_t) ownType, int condition)
+  {
+    const auto says = [](CGNS_ENUMT(BCType_t) type) {
+      return type != CGNS_ENUMV(BCTypeNull) && type != CGNS_ENUMV(BCTypeUserDefined) &&
+        type != CGNS_ENUMV(FamilySpecified);
+    };
+    CGNS_ENUMT(BCType_t) type = ownType;
+    std::string name = trimmed(own);
+    Name text{};
+    std::string family;
     if (cg_goto(this->File, this->Base, "Zone_t", this->Zone, "ZoneBC_t", 1, "BC_t", condition, "end") == CG_OK &&
-      cg_famname_read(family.data()) == CG_OK && family[0] != '\0')
+      cg_famname_read(text.data()) == CG_OK)
     {
-      return family.data();
+      family = trimmed(text.data());
     }
-    const bool typed =
-      type != CGNS_ENUMV(BCTypeNull) && type != CGNS_ENUMV(BCTypeUserDefined) && type != CGNS_ENUMV(FamilySpecified);
-    return typed ? cg_BCTypeName(type) : name;
+    if (!family.empty())
+    {
+      // It may be given as a path: /base/family.
+      const std::string last = trimmed(family.substr(family.rfind('/') + 1));
+      const auto known = this->TypeOfFamily.find(last);
+      if (!says(type) && known != this->TypeOfFamily.end())
+      {
+        type = known->second;
+      }
+      name = last.empty() ? name : last;
+    }
+    else if (says(type) && isNumbered(name))
+    {
+      name = cg_BCTypeName(type);
+    }
+    return { name, says(type) ? cg_BCTypeName(type) : UnknownBoundaryType };
   }
 
-  /// Direction of the normal of faces that are listed by their centres, -1 if mesh points are listed.
-  int faceCenterDirection(CGNS_ENUMT(GridLocation_t) location) const
+  /// Types of the families of the base, by name.
+  void readFamilies()
+  {
+    this->TypeOfFamily.clear();
+    int families = 0;
+    this->check(cg_nfamilies(this->File, this->Base, &families), "families");
+    for (int f = 1; f <= families; ++f)
+    {
+      Name name{};
+      int conditions = 0;
+      int geometries = 0;
+      this->check(cg_family_read(this->File, this->Base, f, name.data(), &conditions, &geometries), "family");
+      for (int c = 1; c <= conditions; ++c)
+      {
+        Name condition{};
+        CGNS_ENUMT(BCType_t) type;
+        this->check(cg_fambc_read(this->File, this->Base, f, c, condition.data(), &type), "type of a family");
+        this->TypeOfFamily.emplace(trimmed(name.data()), type);
+      }
+    }
+  }
+
+  /// How the points of a condition are meant.
+  struct Location
+  {
+    /// Direction of the normal of faces that are listed by their centres, -1 if mesh points are listed.
+    int normal = -1;
+    /// Whether cells at the boundary are listed instead of its faces.
+    bool cells = false;
+  };
+
+  /// @param points all points of a list, or the two corners of a range
+  /// @return false if they are not known to lie on one face.
+  bool locate(
+    int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location, Location& found) const
   {
     switch (location)
     {
       case CGNS_ENUMV(GridLocationNull):
       case CGNS_ENUMV(Vertex):
-        return -1;
+        return true;
       case CGNS_ENUMV(IFaceCenter):
-        return 0;
       case CGNS_ENUMV(JFaceCenter):
-        return 1;
       case CGNS_ENUMV(KFaceCenter):
-        return 2;
+        found.normal = static_cast<int>(location) - static_cast<int>(CGNS_ENUMV(IFaceCenter));
+        return true;
+      case CGNS_ENUMV(FaceCenter):
+      case CGNS_ENUMV(CellCenter):
+        break;
       default:
-        this->fail(std::string("the location ") + cg_GridLocationName(location) +
-          " is not Vertex, IFaceCenter, JFaceCenter or KFaceCenter");
+        return false;
     }
+    // The faces do not say which way they look: they lie on the side on which all of them are.
+    found.cells = location == CGNS_ENUMV(CellCenter);
+    int sides = 0;
+    for (int d = 0; d < 3; ++d)
+    {
+      const cgsize_t last = this->counts(block)[d] - (found.cells ? 1 : 0);
+      bool flat = true;
+      for (std::size_t p = 0; p + 2 < points.size(); p += 3)
+      {
+        flat = flat && points[p + d] == points[d];
+      }
+      if (flat && !points.empty() && (points[d] == 1 || points[d] == last))
+      {
+        found.normal = d;
+        ++sides;
+      }
+    }
+    return sides == 1;
+  }
+
+  /// Faces are numbered by their mesh plane: those of the last cells lie on the plane behind them.
+  static cgsize_t planeOf(cgsize_t index, cgsize_t count, bool cells)
+  {
+    return cells && index == count - 1 ? count : index;
   }
 
   void addRange(
-    int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location, const std::string& label)
+    int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location, const BoundaryLabel& label)
   {
     PointRange range{};
     for (int d = 0; d < 3; ++d)
@@ -512,87 +669,107 @@ private:
       range[d] = std::min(points[d], points[3 + d]);
       range[3 + d] = std::max(points[d], points[3 + d]);
     }
-    const int normal = this->faceCenterDirection(location);
+    Location at;
+    if (!this->locate(block, points, location, at))
+    {
+      this->leaveOut("the range " + toString(range) + " at " + cg_GridLocationName(location) +
+        " is not that of faces on one side of the zone");
+      return;
+    }
     for (int d = 0; d < 3; ++d)
     {
-      // Face n lies between the points n and n + 1.
-      range[3 + d] += normal >= 0 && d != normal ? 1 : 0;
+      if (d == at.normal)
+      {
+        range[d] = planeOf(range[d], this->counts(block)[d], at.cells);
+        range[3 + d] = planeOf(range[3 + d], this->counts(block)[d], at.cells);
+      }
+      else if (at.normal >= 0)
+      {
+        // Face n lies between the points n and n + 1.
+        ++range[3 + d];
+      }
     }
     DirectedRange found;
-    if (this->faceRange(block, range, found))
+    try
     {
-      this->addBoundary(found, label);
+      if (!this->faceRange(block, range, found))
+      {
+        return; // a line or a point bounds nothing
+      }
     }
+    catch (const Error& error)
+    {
+      const std::string text = error.what();
+      this->leaveOut(text.substr(std::min(text.size(), this->FileName.size() + this->Where.size() + 2)));
+      return;
+    }
+    this->Declared.addBoundary(found, label.name, label.type, this->Where.substr(2));
   }
 
   /// A list may cover several faces, or parts of them: marks the quadrilaterals and cuts them into rectangles.
   void addList(
-    int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location, const std::string& label)
+    int block, const std::vector<cgsize_t>& points, CGNS_ENUMT(GridLocation_t) location, const BoundaryLabel& label)
   {
-    const int normal = this->faceCenterDirection(location);
+    Location at;
+    if (!this->locate(block, points, location, at))
+    {
+      this->leaveOut(std::string("the points of its list at ") + cg_GridLocationName(location) +
+        " are not those of faces on one side of the zone");
+      return;
+    }
+    const int normal = at.normal;
     const Ijk& size = this->counts(block);
+    for (std::size_t p = 0; p + 2 < points.size(); p += 3)
+    {
+      for (int d = 0; d < 3; ++d)
+      {
+        const cgsize_t last = size[d] - ((normal >= 0 && d != normal) || at.cells ? 1 : 0);
+        if (points[p + d] < 1 || points[p + d] > last)
+        {
+          this->leaveOut("the point (" + std::to_string(points[p]) + ", " + std::to_string(points[p + 1]) + ", " +
+            std::to_string(points[p + 2]) + ") of its list leaves the " + bsv::toString(size) + " points of the zone");
+          return;
+        }
+      }
+    }
+    bool any = false;
     for (int face = 0; face < 6; ++face)
     {
       const int axes[2] = { faceAxis(face, 0), faceAxis(face, 1) };
       const int ns = size[axes[0]];
       const int nt = size[axes[1]];
       // Of points (vertices) or of quadrilaterals, whichever is listed.
-      std::vector<char> marked(static_cast<std::size_t>(ns) * nt, 0);
+      std::vector<char> listed(static_cast<std::size_t>(ns) * nt, 0);
       for (std::size_t p = 0; p + 2 < points.size(); p += 3)
       {
-        for (int d = 0; d < 3; ++d)
+        const int d = faceDirection(face);
+        const cgsize_t side = faceSide(face) == 0 ? 1 : size[d];
+        if ((normal < 0 || normal == d) && planeOf(points[p + d], size[d], at.cells) == side)
         {
-          const cgsize_t last = size[d] - (normal >= 0 && d != normal ? 1 : 0);
-          if (points[p + d] < 1 || points[p + d] > last)
-          {
-            this->fail("the point (" + std::to_string(points[p]) + ", " + std::to_string(points[p + 1]) + ", " +
-              std::to_string(points[p + 2]) + ") of the list leaves the " + bsv::toString(size) +
-              " points of the zone");
-          }
-        }
-        const cgsize_t side = faceSide(face) == 0 ? 1 : size[faceDirection(face)];
-        if ((normal < 0 || normal == faceDirection(face)) && points[p + faceDirection(face)] == side)
-        {
-          marked[(points[p + axes[1]] - 1) * ns + points[p + axes[0]] - 1] = 1;
+          listed[(points[p + axes[1]] - 1) * ns + points[p + axes[0]] - 1] = 1;
         }
       }
       const auto isCovered = [&](int s, int t) {
-        const std::size_t at = static_cast<std::size_t>(t) * ns + s;
-        return marked[at] && (normal >= 0 || (marked[at + 1] && marked[at + ns] && marked[at + ns + 1]));
+        const std::size_t q = static_cast<std::size_t>(t) * ns + s;
+        return listed[q] && (normal >= 0 || (listed[q + 1] && listed[q + ns] && listed[q + ns + 1]));
       };
-      std::vector<char> open(marked.size(), 0);
+      std::vector<char> open(static_cast<std::size_t>(ns - 1) * (nt - 1), 0);
       for (int t = 0; t + 1 < nt; ++t)
       {
         for (int s = 0; s + 1 < ns; ++s)
         {
-          open[static_cast<std::size_t>(t) * ns + s] = isCovered(s, t);
+          open[static_cast<std::size_t>(t) * (ns - 1) + s] = isCovered(s, t);
         }
       }
-      this->addRectangles(block, face, open, ns, nt, label);
-    }
-  }
-
-  /// Cuts the open quadrilaterals of a face (row length `ns`) into rectangles: as long as possible, then as high.
-  void addRectangles(int block, int face, std::vector<char>& open, int ns, int nt, const std::string& label)
-  {
-    const auto row = [&](int s, int t) { return open.begin() + static_cast<std::ptrdiff_t>(t) * ns + s; };
-    for (int t = 0; t < nt; ++t)
-    {
-      for (int s = 0; s < ns; ++s)
+      for (const FaceRange& part : cutIntoRectangles(open, ns - 1, nt - 1))
       {
-        if (!*row(s, t))
-        {
-          continue;
-        }
-        const auto length = std::find(row(s, t), row(ns, t), 0) - row(s, t);
-        int end = t;
-        while (end < nt && std::all_of(row(s, end), row(s, end) + length, [](char c) { return c != 0; }))
-        {
-          std::fill(row(s, end), row(s, end) + length, 0);
-          ++end;
-        }
-        this->addBoundary({ block, face, { s, t }, { s + static_cast<int>(length), end } }, label);
+        this->Declared.addBoundary({ block, face, part.lo, part.hi }, label.name, label.type, this->Where.substr(2));
+        any = true;
       }
+    }
+    if (!any && points.size() > 6)
+    {
+      this->leaveOut("its list covers no quadrilateral of the zone's faces");
     }
   }
 
@@ -618,8 +795,9 @@ private:
     std::string where;
   };
   std::vector<Place> Places;
-  std::vector<DeclaredContact> Contacts;
-  std::set<Interface> Known;
+  DeclaredConnectivity Declared;
+  Leftovers Left;
+  std::map<std::string, CGNS_ENUMT(BCType_t)> TypeOfFamily;
   /// Blocks of the current base.
   std::map<std::string, int> BlockOfName;
   /// Names and sizes of the zones.

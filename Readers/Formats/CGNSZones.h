@@ -22,8 +22,12 @@ struct CGNSZones
   /// Boundary conditions on block faces. Point lists are cut into rectangles, one patch each; conditions on single
   /// points or lines are skipped.
   std::vector<BoundaryPatch> boundaries;
-  /// The family of a boundary condition; without one its type, such as BCWall; without that its name.
+  /// The family of a boundary condition; without one its own name, or its type if the name is but a number.
   std::vector<std::string> boundaryNames;
+  /// BlockMesh::boundaryTypes: the condition's own type, or else that of its family.
+  std::vector<std::string> boundaryTypes;
+  /// What was left out, one sentence per kind: boundary conditions that contradict the mesh, bases of other dimensions.
+  std::vector<std::string> warnings;
 };
 
 /// Whether the file starts like a CGNS file (ADF or HDF5). Never throws.

@@ -228,15 +228,4 @@ void checkRange(const BlockMesh& mesh, const DirectedRange& range)
   }
 }
 
-int nameIndex(std::vector<std::string>& names, const std::string& name)
-{
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found != names.end())
-  {
-    return static_cast<int>(found - names.begin());
-  }
-  names.push_back(name);
-  return static_cast<int>(names.size()) - 1;
-}
-
 } // namespace bsv

@@ -52,7 +52,4 @@ void checkContacts(BlockMesh mesh, const std::vector<DeclaredContact>& contacts,
 /// @throws Error naming block, face and range. The text names no file; the caller adds it.
 void checkRange(const BlockMesh& mesh, const DirectedRange& range);
 
-/// Index of `name` in `names`, which is added if it is new.
-int nameIndex(std::vector<std::string>& names, const std::string& name);
-
 } // namespace bsv

@@ -23,6 +23,8 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 
 #include "Body/ClosestPoint.h"
 #include "Body/TrimRegion.h"
+#include "Formats/CADText.h"
+#include "Formats/TextScanner.h"
 
 #include <BRepBndLib.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
@@ -44,7 +46,10 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <IGESData_GlobalSection.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <IGESGeom_BSplineSurface.hxx>
 #include <Interface_Check.hxx>
+#include <Interface_EntityIterator.hxx>
+#include <Interface_Graph.hxx>
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_ReportEntity.hxx>
 #include <Interface_Static.hxx>
@@ -54,8 +59,14 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepVisual_Invisibility.hxx>
+#include <StepVisual_InvisibleItem.hxx>
 #include <StepVisual_PresentationLayerAssignment.hxx>
+#include <StepVisual_StyledItem.hxx>
+#include <TColStd_HArray1OfReal.hxx>
+#include <TColStd_HArray2OfReal.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
+#include <TColgp_HArray2OfXYZ.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -66,15 +77,14 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <XSControl_WorkSession.hxx>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
-#include <fstream>
+#include <cstdlib>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <sstream>
 #include <unordered_set>
 
 namespace bsv
@@ -129,179 +139,6 @@ private:
   Message_SequenceOfPrinters Printers;
   std::vector<std::function<void()>> Restore;
 };
-
-[[noreturn]] void failAt(const std::string& fileName, std::size_t line, const std::string& what)
-{
-  throw Error(fileName + ", line " + std::to_string(line) + ": " + what);
-}
-
-/// Refuses IGES files whose cards are not complete: OpenCASCADE takes what is left of them.
-void checkIGES(const std::string& fileName)
-{
-  std::ifstream stream(fileName, std::ios::binary);
-  const std::string order = "SGDPT";
-  std::map<char, long> counts;
-  std::string text;
-  std::string terminate;
-  std::size_t line = 0;
-  char last = 'S';
-  while (std::getline(stream, text))
-  {
-    ++line;
-    if (!text.empty() && text.back() == '\r')
-    {
-      text.pop_back();
-    }
-    if (text.empty() && stream.peek() == std::ifstream::traits_type::eof())
-    {
-      break;
-    }
-    if (text.size() < 80 || order.find(text[72]) == std::string::npos)
-    {
-      failAt(fileName, line,
-        "not a card of 80 columns with its section (S, G, D, P or T) in column 73; the file is "
-        "truncated or corrupt");
-    }
-    if (order.find(text[72]) < order.find(last))
-    {
-      failAt(fileName, line, std::string("section ") + text[72] + " follows section " + last);
-    }
-    last = text[72];
-    const long number = std::strtol(text.substr(73, 7).c_str(), nullptr, 10);
-    if (number != ++counts[last])
-    {
-      failAt(fileName, line,
-        std::string("card ") + std::to_string(number) + " of section " + last + " stands where card " +
-          std::to_string(counts[last]) + " should");
-    }
-    if (last == 'P')
-    {
-      const long entity = std::strtol(text.substr(65, 7).c_str(), nullptr, 10);
-      if (entity < 1 || entity % 2 == 0 || entity > counts['D'])
-      {
-        failAt(
-          fileName, line, "the card refers to directory entry " + std::to_string(entity) + ", which does not exist");
-      }
-    }
-    if (last == 'T')
-    {
-      terminate = text;
-      break;
-    }
-  }
-  if (terminate.empty())
-  {
-    failAt(fileName, line, "the file ends without its terminate section; it is truncated");
-  }
-  for (int i = 0; i < 4; ++i)
-  {
-    const long number = std::strtol(terminate.substr(8 * i + 1, 7).c_str(), nullptr, 10);
-    if (terminate[8 * i] != order[i] || number != counts[order[i]])
-    {
-      failAt(fileName, line,
-        std::string("the terminate section promises ") + terminate.substr(8 * i, 8) + ", but the file has " +
-          std::to_string(counts[order[i]]) + " cards of section " + order[i]);
-    }
-  }
-}
-
-/// Refuses STEP files that refer to entities they do not hold: OpenCASCADE takes what is left of them.
-void checkSTEPReferences(const std::string& fileName, const std::string& text)
-{
-  std::unordered_set<long> defined;
-  std::vector<std::pair<long, std::size_t>> used;
-  std::size_t line = 1;
-  bool inStatement = false;
-  for (std::size_t i = 0; i < text.size(); ++i)
-  {
-    const char c = text[i];
-    if (c == '\n')
-    {
-      ++line;
-    }
-    else if (c == '\'' || text.compare(i, 2, "/*") == 0)
-    {
-      // Strings and comments say nothing.
-      const std::size_t end = c == '\'' ? text.find('\'', i + 1) : text.find("*/", i + 2);
-      if (end == std::string::npos)
-      {
-        failAt(fileName, line, "a string or comment does not end; the file is truncated or corrupt");
-      }
-      line += static_cast<std::size_t>(std::count(text.begin() + i, text.begin() + end, '\n'));
-      i = end + (c == '\'' ? 0 : 1);
-    }
-    else if (c == ';')
-    {
-      inStatement = false;
-    }
-    else if (c == '#')
-    {
-      char* end = nullptr;
-      const long id = std::strtol(text.c_str() + i + 1, &end, 10);
-      if (inStatement)
-      {
-        used.emplace_back(id, line);
-      }
-      else
-      {
-        defined.insert(id);
-        inStatement = true;
-      }
-      i = static_cast<std::size_t>(end - text.c_str()) - 1;
-    }
-    else if (!std::isspace(static_cast<unsigned char>(c)))
-    {
-      inStatement = true;
-    }
-  }
-  for (const auto& use : used)
-  {
-    if (defined.count(use.first) == 0)
-    {
-      failAt(fileName, use.second, "entity #" + std::to_string(use.first) + " is used but nowhere defined");
-    }
-  }
-}
-
-/// Refuses STEP and BREP files without their end.
-void checkEnd(const std::string& fileName, const std::string& format)
-{
-  std::ifstream stream(fileName, std::ios::binary);
-  const std::string text{ std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
-  const std::size_t line = 1 + static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-  if (format == "STEP")
-  {
-    const std::size_t end = text.find_last_not_of(" \t\r\n");
-    const std::string mark = "END-ISO-10303-21;";
-    if (end == std::string::npos || end + 1 < mark.size() ||
-      text.compare(end + 1 - mark.size(), mark.size(), mark) != 0)
-    {
-      failAt(fileName, line, "the file does not end with '" + mark + "'; it is truncated or corrupt");
-    }
-    checkSTEPReferences(fileName, text);
-    return;
-  }
-  for (const char* section : { "\nLocations ", "\nCurve2ds ", "\nCurves ", "\nPolygon3D ", "\nPolygonOnTriangulations ",
-         "\nSurfaces ", "\nTriangulations ", "\nTShapes " })
-  {
-    if (text.find(section) == std::string::npos)
-    {
-      failAt(
-        fileName, line, std::string("the file has no section '") + (section + 1) + "'; it is truncated or corrupt");
-    }
-  }
-  // The last shapes are: "*" (no more parts of the last one), then an orientation, an index and a location.
-  const std::size_t star = text.rfind('*');
-  std::istringstream rest(star == std::string::npos ? "" : text.substr(star + 1));
-  char sign = 0;
-  long index = -1;
-  long location = -1;
-  std::string more;
-  if (!(rest >> sign >> index >> location) || std::string("+-ie").find(sign) == std::string::npos || (rest >> more))
-  {
-    failAt(fileName, line, "the file does not end with the reference of its shape; it is truncated or corrupt");
-  }
-}
 
 /// Metres per unit of a name that OpenCASCADE or the STEP file gives; 0 if unknown.
 double metres(std::string name)
@@ -869,11 +706,157 @@ struct FaceNames
 {
   std::function<std::string(const TopoDS_Face&)> name = [](const TopoDS_Face&) { return std::string(); };
   std::function<std::string(const TopoDS_Face&)> layer = [](const TopoDS_Face&) { return std::string(); };
+  /// Whether the file hides the face.
+  std::function<bool(const TopoDS_Face&)> hidden = [](const TopoDS_Face&) { return false; };
 };
 
-/// Refuses files of which an entity could not be read as what it claims to be: what refers to it would meet nothing, at
-/// which OpenCASCADE does not look.
-void checkEntities(const Handle(Interface_InterfaceModel) & model, const std::string& fileName)
+/// The text of a message, whose placeholders OpenCASCADE may have left empty.
+std::string cleaned(std::string text)
+{
+  for (const char* placeholder : { "%d", "%s", "%f" })
+  {
+    for (std::size_t at = text.find(placeholder); at != std::string::npos; at = text.find(placeholder))
+    {
+      text.erase(at, text[at + 2] == ' ' ? 3 : 2);
+    }
+  }
+  return text;
+}
+
+std::string labelOf(const Handle(Interface_InterfaceModel) & model, int number)
+{
+  const Handle(TCollection_HAsciiString) label = model->StringLabel(model->Value(number));
+  return label.IsNull() ? std::to_string(number) : textOf(label);
+}
+
+/// "type 128 (IGESGeom_BSplineSurface)", "CURVE_STYLE".
+std::string typeOf(const Handle(Interface_InterfaceModel) & model, int number)
+{
+  const Handle(Standard_Transient) entity = model->Value(number);
+  const Handle(IGESData_IGESEntity) iges = Handle(IGESData_IGESEntity)::DownCast(entity);
+  return iges.IsNull() ? entity->DynamicType()->Name()
+                       : "type " + std::to_string(iges->TypeNumber()) + " (" + iges->DynamicType()->Name() + ")";
+}
+
+/// Types of IGES that a face can depend on: curves, surfaces, solids and their places, not notes, views and colours.
+bool isIGESShape(int type)
+{
+  return (type >= 100 && type <= 199) || type == 430 || (type >= 500 && type <= 599);
+}
+
+/// Those that become faces, and those that hold others.
+bool isIGESSurface(int type)
+{
+  return type == 114 || type == 118 || type == 120 || type == 122 || type == 128 || (type >= 140 && type <= 144) ||
+    (type >= 184 && type <= 198) || type == 308 || type == 402 || type == 408 || type == 430 ||
+    (type >= 502 && type <= 514);
+}
+
+/// Numbers of the entities that the shape and place of faces depend on.
+std::unordered_set<int> neededEntities(const Handle(IGESData_IGESModel) & model)
+{
+  std::unordered_set<int> needed;
+  const Interface_Graph graph(model, Standard_False);
+  std::vector<int> open;
+  for (int i = 1; i <= model->NbEntities(); ++i)
+  {
+    const Handle(IGESData_IGESEntity) entity = Handle(IGESData_IGESEntity)::DownCast(model->Value(i));
+    if (!entity.IsNull() && isIGESSurface(entity->TypeNumber()) && needed.insert(i).second)
+    {
+      open.push_back(i);
+    }
+  }
+  while (!open.empty())
+  {
+    const Handle(Standard_Transient) entity = model->Value(open.back());
+    open.pop_back();
+    const int type = Handle(IGESData_IGESEntity)::DownCast(entity)->TypeNumber();
+    if (type == 308 || type == 402 || type == 408)
+    {
+      continue; // the items of a list count for themselves
+    }
+    for (Interface_EntityIterator shared = graph.Shareds(entity); shared.More(); shared.Next())
+    {
+      const Handle(IGESData_IGESEntity) used = Handle(IGESData_IGESEntity)::DownCast(shared.Value());
+      const int number = used.IsNull() ? 0 : model->Number(used);
+      if (number > 0 && isIGESShape(used->TypeNumber()) && needed.insert(number).second)
+      {
+        open.push_back(number);
+      }
+    }
+  }
+  return needed;
+}
+
+/// A B-spline surface without its four last numbers, the ends of its domain: the knots say the same.
+bool completeDomain(const Handle(IGESGeom_BSplineSurface) & surface)
+{
+  if (surface.IsNull() || surface->NbPolesU() < 2 || surface->NbPolesV() < 2)
+  {
+    return false;
+  }
+  const int upper[2] = { surface->UpperIndexU(), surface->UpperIndexV() };
+  const int degree[2] = { surface->DegreeU(), surface->DegreeV() };
+  std::array<Handle(TColStd_HArray1OfReal), 2> knots;
+  for (int d = 0; d < 2; ++d)
+  {
+    const int last = upper[d] + 1;
+    if ((d == 0 ? surface->NbKnotsU() : surface->NbKnotsV()) != last + degree[d] + 1)
+    {
+      return false;
+    }
+    knots[d] = new TColStd_HArray1OfReal(-degree[d], last);
+    for (int k = -degree[d]; k <= last; ++k)
+    {
+      knots[d]->SetValue(k, d == 0 ? surface->KnotU(k) : surface->KnotV(k));
+    }
+  }
+  const Handle(TColStd_HArray2OfReal) weights = new TColStd_HArray2OfReal(0, upper[0], 0, upper[1]);
+  const Handle(TColgp_HArray2OfXYZ) poles = new TColgp_HArray2OfXYZ(0, upper[0], 0, upper[1]);
+  for (int j = 0; j <= upper[1]; ++j)
+  {
+    for (int i = 0; i <= upper[0]; ++i)
+    {
+      weights->SetValue(i, j, surface->Weight(i, j));
+      poles->SetValue(i, j, surface->Pole(i, j).XYZ());
+    }
+  }
+  surface->Init(upper[0], upper[1], degree[0], degree[1], surface->IsClosedU(), surface->IsClosedV(),
+    surface->IsPolynomial(), surface->IsPeriodicU(), surface->IsPeriodicV(), knots[0], knots[1], weights, poles,
+    knots[0]->Value(0), knots[0]->Value(upper[0] + 1 - degree[0]), knots[1]->Value(0),
+    knots[1]->Value(upper[1] + 1 - degree[1]));
+  return true;
+}
+
+/// @throws Error naming the surface whose knots decrease: OpenCASCADE leaves it out without a word.
+void checkKnots(const Handle(IGESData_IGESModel) & model, const std::string& fileName)
+{
+  for (int e = 1; e <= model->NbEntities(); ++e)
+  {
+    const Handle(IGESGeom_BSplineSurface) surface = Handle(IGESGeom_BSplineSurface)::DownCast(model->Value(e));
+    for (int d = 0; d < 2 && !surface.IsNull(); ++d)
+    {
+      const int first = -(d == 0 ? surface->DegreeU() : surface->DegreeV());
+      const int count = d == 0 ? surface->NbKnotsU() : surface->NbKnotsV();
+      const auto knot = [&](int k) { return d == 0 ? surface->KnotU(first + k) : surface->KnotV(first + k); };
+      for (int k = 1; k < count; ++k)
+      {
+        if (!(knot(k) >= knot(k - 1)))
+        {
+          throw Error(fileName + ": surface " + labelOf(model, e) + ": the knots of " + "uv"[d] + " decrease from " +
+            std::to_string(knot(k - 1)) + " to " + std::to_string(knot(k)) + " (knot " + std::to_string(k + 1) + ")");
+        }
+      }
+    }
+  }
+}
+
+/// Refuses files of which an entity could not be read as what it claims to be, if faces depend on it: what refers to it
+/// would meet nothing, at which OpenCASCADE does not look. Other entities are counted.
+/// @param needed(number, label) whether faces depend on an entity
+template <typename Needed>
+void checkEntities(const Handle(Interface_InterfaceModel) & model, const std::string& fileName, const Needed& needed,
+  std::map<std::string, int>& broken)
 {
   for (int i = 1; i <= model->NbEntities(); ++i)
   {
@@ -882,44 +865,112 @@ void checkEntities(const Handle(Interface_InterfaceModel) & model, const std::st
       continue;
     }
     const Handle(Interface_Check) check = model->ReportEntity(i)->Check();
-    if (!check.IsNull() && check->HasFailed())
+    if (check.IsNull() || !check->HasFailed())
     {
-      const Handle(TCollection_HAsciiString) label = model->StringLabel(model->Value(i));
-      throw Error(
-        fileName + ": entity " + (label.IsNull() ? std::to_string(i) : textOf(label)) + ": " + check->CFail(1));
+      continue;
     }
+    const std::string label = labelOf(model, i);
+    if (!needed(i, label))
+    {
+      ++broken[typeOf(model, i) + " that could not be read"];
+      continue;
+    }
+    bool onlyDomain = true;
+    for (int f = 1; f <= check->NbFails(); ++f)
+    {
+      const std::string text = check->CFail(f);
+      onlyDomain = onlyDomain &&
+        (text.find("Starting Value") != std::string::npos || text.find("Ending Value") != std::string::npos);
+    }
+    if (onlyDomain && completeDomain(Handle(IGESGeom_BSplineSurface)::DownCast(model->Value(i))))
+    {
+      model->ClearReportEntity(i);
+      continue;
+    }
+    throw Error(fileName + ": entity " + label + " (" + typeOf(model, i) + "): " + cleaned(check->CFail(1)));
   }
 }
 
-/// Shapes of all roots, and the roots of which nothing came.
-TopoDS_Shape transfer(XSControl_Reader& reader, NURBSFileContent& content)
+/// What is counted as left out because the file hides it.
+constexpr const char* HiddenSurface = "hidden (blanked) surface";
+
+int faceCount(const TopoDS_Shape& shape)
+{
+  TopTools_IndexedMapOfShape faces;
+  if (!shape.IsNull())
+  {
+    TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  }
+  return faces.Extent();
+}
+
+/// Wherever they are placed.
+using HiddenFaces = std::unordered_set<const TopoDS_TShape*>;
+
+/// Adds the faces of an item that a STEP file hides.
+void addInvisible(STEPControl_Reader& reader, StepVisual_InvisibleItem item, HiddenFaces& hidden)
+{
+  const auto add = [&](const Handle(Standard_Transient) & entity) {
+    const TopoDS_Shape shape = entity.IsNull() ? TopoDS_Shape() : reader.WS()->TransferReader()->ShapeResult(entity);
+    for (TopExp_Explorer at(shape, TopAbs_FACE); !shape.IsNull() && at.More(); at.Next())
+    {
+      hidden.insert(at.Current().TShape().get());
+    }
+  };
+  const Handle(StepVisual_StyledItem) styled = item.StyledItem();
+  if (!styled.IsNull())
+  {
+    add(styled->Item());
+  }
+  const Handle(StepVisual_PresentationLayerAssignment) layer = item.PresentationLayerAssignment();
+  for (int k = 1; !layer.IsNull() && k <= layer->NbAssignedItems(); ++k)
+  {
+    add(layer->AssignedItemsValue(k).Value());
+  }
+}
+
+/// Shapes of all roots but the hidden ones, and the roots of which nothing came.
+/// @param dropped counts of what is left out
+TopoDS_Shape transfer(XSControl_Reader& reader, const std::string& fileName, std::map<std::string, int>& dropped)
 {
   BRep_Builder builder;
   TopoDS_Compound all;
   builder.MakeCompound(all);
-  std::map<std::string, int> dropped;
   const int roots = reader.NbRootsForTransfer();
   for (int i = 1; i <= roots; ++i)
   {
     const int before = reader.NbShapes();
     reader.TransferOneRoot(i);
-    if (reader.NbShapes() == before)
+    const Handle(Standard_Transient) root = reader.RootForTransfer(i);
+    const Handle(IGESData_IGESEntity) iges = Handle(IGESData_IGESEntity)::DownCast(root);
+    const bool hidden = !iges.IsNull() && iges->BlankStatus() == 1;
+    for (int n = before + 1; n <= reader.NbShapes(); ++n)
     {
-      const Handle(Standard_Transient) root = reader.RootForTransfer(i);
-      const Handle(IGESData_IGESEntity) iges = Handle(IGESData_IGESEntity)::DownCast(root);
+      if (!hidden && !reader.Shape(n).IsNull())
+      {
+        builder.Add(all, reader.Shape(n));
+      }
+      const int faces = hidden ? faceCount(reader.Shape(n)) : 0;
+      if (faces > 0)
+      {
+        dropped[HiddenSurface] += faces;
+      }
+    }
+    if (reader.NbShapes() == before && !hidden)
+    {
+      const int type = iges.IsNull() ? 0 : iges->TypeNumber();
+      // A plane without bounds (190) is part of a face, and no face itself.
+      if (isIGESSurface(type) && isIGESShape(type) && type != 190)
+      {
+        const Handle(Interface_InterfaceModel) model = reader.WS()->Model();
+        throw Error(fileName + ": surface " + labelOf(model, model->Number(root)) + " (" +
+          typeOf(model, model->Number(root)) + ") cannot be converted to a face");
+      }
       ++dropped[iges.IsNull()
           ? std::string("STEP entity ") + root->DynamicType()->Name()
           : "IGES entity of type " + std::to_string(iges->TypeNumber()) + " (" + root->DynamicType()->Name() + ")"];
     }
   }
-  for (int i = 1; i <= reader.NbShapes(); ++i)
-  {
-    if (!reader.Shape(i).IsNull())
-    {
-      builder.Add(all, reader.Shape(i));
-    }
-  }
-  content.others.assign(dropped.begin(), dropped.end());
   return all;
 }
 
@@ -935,7 +986,19 @@ NURBSFileContent readCADFile(
 {
   NURBSFileContent content;
   content.format = format;
-  format == "IGES" ? checkIGES(fileName) : checkEnd(fileName, format);
+  STEPEntities entities;
+  {
+    const std::string text = readTextFile(fileName);
+    if (format == "STEP")
+    {
+      entities = checkSTEPText(text, fileName);
+    }
+    else
+    {
+      format == "IGES" ? checkIGESText(text, fileName) : checkBREPText(text, fileName);
+    }
+  }
+  std::map<std::string, int> dropped;
   Session session;
   try
   {
@@ -944,6 +1007,7 @@ NURBSFileContent readCADFile(
     IGESControl_Reader iges;
     STEPControl_Reader step;
     std::map<Standard_Transient*, std::string> stepLayers;
+    HiddenFaces hiddenFaces;
     if (format == "IGES")
     {
       // Surfaces stay whole although their knots may be multiple, and numbers stay those of the file.
@@ -952,13 +1016,16 @@ NURBSFileContent readCADFile(
       {
         throw Error(fileName + ": OpenCASCADE cannot read it as an IGES file");
       }
-      checkEntities(iges.IGESModel(), fileName);
+      const std::unordered_set<int> needed = neededEntities(iges.IGESModel());
+      checkEntities(
+        iges.IGESModel(), fileName, [&](int number, const std::string&) { return needed.count(number) > 0; }, dropped);
+      checkKnots(iges.IGESModel(), fileName);
       content.unit = igesUnit(iges.IGESModel()->GlobalSection());
       if (content.unit > 0.0)
       {
         iges.IGESModel()->ChangeGlobalSection().SetCascadeUnit(content.unit * 1000.0); // in millimetres
       }
-      shape = transfer(iges, content);
+      shape = transfer(iges, fileName, dropped);
       const auto entity = [&iges](const TopoDS_Face& face) {
         return Handle(IGESData_IGESEntity)::DownCast(
           iges.WS()->TransferReader()->EntityFromShapeResult(face, AnyResult));
@@ -971,19 +1038,35 @@ NURBSFileContent readCADFile(
         const Handle(IGESData_IGESEntity) found = entity(face);
         return found.IsNull() || found->Level() <= 0 ? std::string() : std::to_string(found->Level());
       };
+      names.hidden = [entity](const TopoDS_Face& face) {
+        // The untrimmed surface of a trimmed one is often hidden: the trimmed one counts.
+        const Handle(IGESData_IGESEntity) found = entity(face);
+        return !found.IsNull() && found->BlankStatus() == 1 &&
+          (found->SubordinateStatus() == 0 || found->SubordinateStatus() == 2);
+      };
     }
     else if (format == "STEP")
     {
+      for (const auto& [keyword, count] : entities.broken)
+      {
+        dropped[keyword + " that refers to a missing entity"] += count;
+      }
       if (step.ReadFile(fileName.c_str()) != IFSelect_RetDone)
       {
         throw Error(fileName + ": OpenCASCADE cannot read it as a STEP file");
       }
-      checkEntities(step.Model(), fileName);
+      checkEntities(
+        step.Model(), fileName,
+        [&](int, const std::string& label) {
+          // Labels are "#12".
+          return label.size() < 2 || entities.needed.count(std::strtol(label.c_str() + 1, nullptr, 10)) > 0;
+        },
+        dropped);
       TColStd_SequenceOfAsciiString lengths, angles, solidAngles;
       step.FileUnits(lengths, angles, solidAngles);
       content.unit = lengths.IsEmpty() ? 0.0 : metres(lengths.First().ToCString());
       step.SetSystemLengthUnit(content.unit > 0.0 ? content.unit * 1000.0 : 1.0);
-      shape = transfer(step, content);
+      shape = transfer(step, fileName, dropped);
       const Handle(Interface_InterfaceModel) model = step.Model();
       for (int i = 1; i <= model->NbEntities(); ++i)
       {
@@ -992,7 +1075,13 @@ NURBSFileContent readCADFile(
         {
           stepLayers[assignment->AssignedItemsValue(k).Value().get()] = textOf(assignment->Name());
         }
+        const auto invisible = Handle(StepVisual_Invisibility)::DownCast(model->Value(i));
+        for (int k = 1; !invisible.IsNull() && k <= invisible->NbInvisibleItems(); ++k)
+        {
+          addInvisible(step, invisible->InvisibleItemsValue(k), hiddenFaces);
+        }
       }
+      names.hidden = [&hiddenFaces](const TopoDS_Face& face) { return hiddenFaces.count(face.TShape().get()) > 0; };
       const auto entity = [&step](const TopoDS_Face& face) {
         return step.WS()->TransferReader()->EntityFromShapeResult(face, AnyResult);
       };
@@ -1034,8 +1123,10 @@ NURBSFileContent readCADFile(
         content.others.emplace_back(kind.second, freeShapes.Extent());
       }
     }
+    const auto tellDropped = [&] { content.others.insert(content.others.begin(), dropped.begin(), dropped.end()); };
     if (faces.IsEmpty())
     {
+      tellDropped();
       return content;
     }
 
@@ -1052,6 +1143,11 @@ NURBSFileContent readCADFile(
     for (int f = 1; f <= faces.Extent(); ++f)
     {
       const TopoDS_Face face = TopoDS::Face(faces(f));
+      if (names.hidden(face))
+      {
+        ++dropped[HiddenSurface];
+        continue;
+      }
       std::string name = names.name(face);
       const std::string label = "face " + std::to_string(f) + (name.empty() ? "" : " '" + name + "'");
       Reparametrisation change;
@@ -1070,12 +1166,13 @@ NURBSFileContent readCADFile(
         throw Error(fileName + ": " + label + " cannot be converted: " + failure.GetMessageString());
       }
       content.approximated += converted.approximated;
-      addTriangles(face, change, f - 1, content.tessellation);
+      addTriangles(face, change, static_cast<int>(content.patches.size()), content.tessellation);
       converted.patch.name = name.empty() ? "Face " + std::to_string(f) : name;
       content.patches.push_back(std::move(converted.patch));
       content.layers.push_back(names.layer(face));
       run.report(0.6 + 0.4 * f / faces.Extent());
     }
+    tellDropped();
   }
   catch (const Standard_Failure& failure)
   {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/NeutralMapFile.h"
 
-#include "Formats/FaceContact.h"
+#include "Formats/DeclaredConnectivity.h"
 #include "Ranks/Ranks.h"
 
 #include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <fstream>
+#include <iterator>
 
 namespace bsv
 {
@@ -41,12 +42,38 @@ std::vector<std::string> words(const std::string& line)
   return found;
 }
 
-std::string upper(std::string text)
+std::string trimmed(const std::string& text)
 {
-  std::transform(
-    text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  std::replace(text.begin(), text.end(), '-', '_');
-  return text;
+  const std::size_t first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? text : text.substr(first, text.find_last_not_of(" \t") + 1 - first);
+}
+
+/// The letters and digits of a word, in lower case: how it is spelt otherwise does not matter.
+std::string kind(const std::string& type)
+{
+  std::string letters;
+  for (const char c : type)
+  {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter))
+    {
+      letters += static_cast<char>(std::tolower(letter));
+    }
+  }
+  return letters;
+}
+
+bool isOneToOne(const std::string& kind)
+{
+  const char* const spellings[] = { "onetoone", "one2one", "1to1", "11", "121", "pointtopoint", "pointmatched" };
+  return std::find(std::begin(spellings), std::end(spellings), kind) != std::end(spellings);
+}
+
+bool isInteger(const std::string& word)
+{
+  int value = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return failure == std::errc() && end == word.data() + word.size();
 }
 
 /// Our face number per that of the file less one.
@@ -73,7 +100,7 @@ public:
   }
 
   /// @return the contacts, whose points are not checked yet.
-  std::vector<DeclaredContact> read()
+  std::vector<DeclaredContact> read(std::vector<std::string>& warnings)
   {
     this->readBlocks();
     while (this->nextLine())
@@ -84,7 +111,10 @@ public:
     {
       this->fail("reading failed");
     }
-    return std::move(this->Contacts);
+    this->Declared.finish(this->Mesh, this->Left);
+    const std::vector<std::string> sentences = this->Left.sentences();
+    warnings.insert(warnings.end(), sentences.begin(), sentences.end());
+    return this->Declared.contacts();
   }
 
 private:
@@ -195,9 +225,9 @@ private:
 
   bool readSwap(std::size_t word) const
   {
-    const std::string text = word < this->Words.size() ? upper(this->Words[word]) : "";
-    const bool swap = text == "TRUE" || text == "T" || text == ".TRUE.";
-    if (!swap && text != "FALSE" && text != "F" && text != ".FALSE.")
+    const std::string text = word < this->Words.size() ? kind(this->Words[word]) : "";
+    const bool swap = text == "true" || text == "t";
+    if (!swap && text != "false" && text != "f")
     {
       this->fail("the swap flag must be TRUE or FALSE, not '" +
         (word < this->Words.size() ? this->Words[word].substr(0, 40) : "") + "'");
@@ -207,39 +237,83 @@ private:
 
   void readTopology()
   {
-    const std::string type = upper(this->Words[0]);
-    if (type == "PATCHED" || type == "UNPROCESSED")
+    this->joinType();
+    const std::string type = kind(this->Words[0]);
+    if (type == "patched" || type == "unprocessed")
     {
+      return;
+    }
+    if (!isOneToOne(type))
+    {
+      // A side is a block, a face and two ranges.
+      if (this->Words.size() > 12)
+      {
+        this->fail("the type '" + this->Words[0].substr(0, 40) +
+          "' is followed by two sides; only ONE_TO_ONE joins two of them");
+      }
+      this->readBoundary(trimmed(this->Words[0]));
       return;
     }
     const DirectedRange a = this->readRange(1);
-    if (type != "ONE_TO_ONE")
-    {
-      const int tag = nameIndex(this->Mesh.boundaryNames, this->Words[0]);
-      this->Mesh.boundaries.push_back({ a.block, a.face, a.range(), tag });
-      return;
-    }
     const DirectedRange b = this->readRange(7);
     // The flag speaks of primary directions; if that is our first axis on one side only, it turns round.
     const bool swapped = this->readSwap(13) != (primaryAxis(a.face) != primaryAxis(b.face));
-    this->located([&] { this->Contacts.push_back({ faceContact(a, b, swapped), this->where() }); });
-    this->Mesh.interfaces.push_back(this->Contacts.back().contact);
+    this->located([&] { this->Declared.addContact(faceContact(a, b, swapped), this->where()); });
+  }
+
+  /// Makes one word of a type of several words without quotation marks.
+  void joinType()
+  {
+    std::vector<std::string>& words = this->Words;
+    std::size_t count = words.size() > 2 && isInteger(words[0]) && kind(words[1]) == "to" ? 3 : 1;
+    while (count < words.size() && !isInteger(words[count]))
+    {
+      ++count;
+    }
+    for (std::size_t w = 1; w < count; ++w)
+    {
+      words[0] += " " + words[w];
+    }
+    words.erase(words.begin() + 1, words.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+
+  /// A boundary that does not fit is left out, as long as it is one.
+  void readBoundary(const std::string& name)
+  {
+    for (std::size_t word = 1; word <= 6; ++word)
+    {
+      this->integer(word, "number of a boundary");
+    }
+    DirectedRange range;
+    try
+    {
+      range = this->readRange(1);
+    }
+    catch (const Error& error)
+    {
+      this->Left.add("boundaries left out", error.what());
+      return;
+    }
+    this->Declared.addBoundary(
+      range, name, boundaryTypeOfName(name), "line " + std::to_string(this->Line) + " of the neutral map");
   }
 
   std::string FileName;
   std::ifstream Stream;
   BlockMesh& Mesh;
-  std::vector<DeclaredContact> Contacts;
+  DeclaredConnectivity Declared;
+  Leftovers Left;
   int Line = 0;
   std::vector<std::string> Words;
 };
 
 } // namespace
 
-void readNeutralMap(const std::string& fileName, BlockMesh& mesh, const Execution& run)
+void readNeutralMap(
+  const std::string& fileName, BlockMesh& mesh, std::vector<std::string>& warnings, const Execution& run)
 {
   std::vector<DeclaredContact> contacts;
-  run.ranks->together([&] { contacts = NeutralMapReader(fileName, mesh).read(); });
+  run.ranks->together([&] { contacts = NeutralMapReader(fileName, mesh).read(warnings); });
   checkContacts(mesh, contacts, *run.ranks);
 }
 

@@ -20,15 +20,21 @@
 #include "Mesh/BlockMesh.h"
 
 #include <string>
+#include <vector>
 
 namespace bsv
 {
 
 /// Adds the interfaces and boundaries of the file to `mesh`, whose blocks must be those of the grid file, in its order.
-/// A TYPE other than ONE_TO_ONE names a boundary. PATCHED (not point to point) and UNPROCESSED say nothing and are
+/// A TYPE with one side names a boundary. PATCHED (not point to point) and UNPROCESSED say nothing and are
 /// skipped.
-/// @throws Error naming file and line for anything that is not of the form above, blocks, faces and ranges that `mesh`
-/// does not have, and contacts whose points do not coincide (see checkContacts).
-void readNeutralMap(const std::string& fileName, BlockMesh& mesh, const Execution& run = {});
+/// The spelling of ONE_TO_ONE does not matter (case, blanks, dashes, "1-to-1"), a contact may be listed from both
+/// sides. Types of boundaries follow from their names (boundaryTypeOfName).
+/// @param[out] warnings boundaries that were left out, one sentence per kind.
+/// @throws Error naming file and line for anything that is not of the form above, another TYPE with two sides, blocks,
+/// faces and ranges of contacts that `mesh` does not have, and contacts whose points do not coincide (see
+/// checkContacts).
+void readNeutralMap(
+  const std::string& fileName, BlockMesh& mesh, std::vector<std::string>& warnings, const Execution& run = {});
 
 } // namespace bsv

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plot3DFile.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -129,12 +131,16 @@ public:
     }
   }
 
-  std::string text(Index bytes)
+  /// The first bytes, or all if there are fewer.
+  std::string start(Index bytes, Index from = 0)
   {
-    std::string content(static_cast<std::size_t>(bytes), '\0');
-    this->read(0, content.data(), bytes);
+    std::string content(static_cast<std::size_t>(std::min(bytes, this->Size - from)), '\0');
+    this->read(from, content.data(), static_cast<Index>(content.size()));
     return content;
   }
+
+  /// Where the text of an ASCII file starts: behind a byte order mark.
+  Index textStart() { return this->start(3) == "\xef\xbb\xbf" ? 3 : 0; }
 
 private:
   std::string Name;
@@ -146,7 +152,7 @@ private:
 /// among them.
 bool isText(InputFile& file)
 {
-  const std::string start = file.text(std::min<Index>(file.size(), 8));
+  const std::string start = file.start(8, file.textStart());
   return std::all_of(
     start.begin(), start.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r'; });
 }
@@ -159,11 +165,12 @@ class ListReader
 {
 public:
   explicit ListReader(InputFile& file)
-    : ListReader(file, file.size())
+    : ListReader(file, file.size() - file.textStart())
   {
   }
   ListReader(InputFile& file, Index bytes)
     : File(file)
+    , Offset(file.textStart())
     , Remaining(bytes)
     , Buffer(static_cast<std::size_t>(std::min(bytes, Index(1) << 20)))
     , At(Buffer.data())
@@ -270,6 +277,9 @@ public:
   std::string Context = "header";
 
 private:
+  /// Longest text of a number.
+  static constexpr int MaxValue = 1000;
+
   static bool isBlank(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
   static bool isExponent(char c) { return c == 'd' || c == 'D' || c == 'q' || c == 'Q' || c == '+' || c == '-'; }
 
@@ -346,6 +356,11 @@ private:
       }
     }
     this->ValueEnd = this->At;
+    if (this->ValueEnd - this->Value > MaxValue)
+    {
+      this->fail(
+        "'" + this->shown() + "' goes on for more than " + std::to_string(MaxValue) + " characters; no number does");
+    }
     const char* star = std::find(this->Value, this->ValueEnd, '*');
     star = star == this->ValueEnd ? nullptr : star;
     this->Repeat = 1;
@@ -397,7 +412,7 @@ private:
 
   InputFile& File;
   /// Where the text goes on that is not in the buffer, and how many bytes there are.
-  Index Offset = 0;
+  Index Offset;
   Index Remaining;
   std::vector<char> Buffer;
   /// Line ends before the buffer.
@@ -442,12 +457,133 @@ std::vector<Ijk> readHeader(ListReader& reader, bool multiBlock, Index bytes)
   return counts;
 }
 
+//----------------------------------------------------------------------------------------------------------------------
+// Other kinds of PLOT3D files
+
+/// A kind of file that is no three-dimensional grid in whole format.
+struct OtherKind
+{
+  /// Integers per block in the header.
+  int counts;
+  const char* text;
+  /// Numbers of reals in the records of a block.
+  std::vector<Index> (*records)(const std::vector<Index>& counts);
+  /// Whether it has the size of a grid in whole format, so that only its records tell.
+  bool onlyInRecords = false;
+};
+
+/// All but the second to last dimensions, which a function file follows with the number of variables.
+Index product(const std::vector<Index>& counts, std::size_t end)
+{
+  Index all = 1;
+  for (std::size_t d = 0; d < end; ++d)
+  {
+    all = saturatingProduct(all, counts[d]);
+  }
+  return all;
+}
+
+const std::vector<OtherKind>& otherKinds()
+{
+  using Counts = std::vector<Index>;
+  static const std::vector<OtherKind> kinds = {
+    { 2, "a two-dimensional grid (2 counts per block); hexahedra need a three-dimensional one",
+      [](const Counts& n) { return Counts{ saturatingProduct(2, product(n, 2)) }; } },
+    { 3, "a PLOT3D solution file (4 flow conditions and 5 values a point), not a grid",
+      [](const Counts& n) {
+        return Counts{ 4, saturatingProduct(5, product(n, 3)) };
+      } },
+    { 2, "a two-dimensional PLOT3D solution file, not a grid",
+      [](const Counts& n) {
+        return Counts{ 4, saturatingProduct(4, product(n, 2)) };
+      } },
+    { 4, "a PLOT3D function file (the number of variables follows the counts of a block), not a grid",
+      [](const Counts& n) { return Counts{ product(n, 4) }; } },
+    { 3, "a two-dimensional PLOT3D function file, not a grid",
+      [](const Counts& n) { return Counts{ product(n, 3) }; } },
+    { 3, "a grid in planes format (x, y and z of one k plane after the other); write it in whole format",
+      [](const Counts& n) {
+        return Counts(static_cast<std::size_t>(std::min<Index>(n[2], 1 << 20)), saturatingProduct(3, product(n, 2)));
+      },
+      true },
+  };
+  return kinds;
+}
+
+/// What an ASCII file of `values` numbers is that is no grid; empty if no kind explains their number.
+std::string otherKindOfText(InputFile& file, Index values)
+{
+  for (const OtherKind& kind : otherKinds())
+  {
+    for (const bool multiBlock : { true, false })
+    {
+      if (kind.onlyInRecords)
+      {
+        continue;
+      }
+      try
+      {
+        ListReader reader(file);
+        const int blocks = multiBlock ? reader.integer() : 1;
+        Index needed = (multiBlock ? 1 : 0) + saturatingProduct(kind.counts, blocks);
+        bool possible = blocks >= 1 && needed < values;
+        for (int b = 0; possible && b < blocks; ++b)
+        {
+          std::vector<Index> counts;
+          for (int d = 0; d < kind.counts; ++d)
+          {
+            counts.push_back(reader.integer());
+            possible = possible && counts.back() >= 1;
+          }
+          for (const Index record : possible ? kind.records(counts) : std::vector<Index>())
+          {
+            needed = saturatingSum(needed, record);
+          }
+        }
+        if (possible && needed == values)
+        {
+          return std::string("the file is ") + kind.text;
+        }
+      }
+      catch (const Error&)
+      {
+        // Not this one.
+      }
+    }
+  }
+  return {};
+}
+
+/// The file has not been read as what it is: says so if it is packed, or a text in an encoding of its own.
+void refuseEncodings(InputFile& file)
+{
+  const std::string start = file.start(6);
+  static const std::pair<std::string, const char*> encodings[] = {
+    { "\xff\xfe", "a text in UTF-16; save it as plain ASCII or UTF-8" },
+    { "\xfe\xff", "a text in UTF-16; save it as plain ASCII or UTF-8" },
+    { "\x1f\x8b", "compressed (gzip); unpack it first" },
+    { "BZh", "compressed (bzip2); unpack it first" },
+    { std::string("\xfd"
+                  "7zXZ"),
+      "compressed (xz); unpack it first" },
+    { "\x28\xb5\x2f\xfd", "compressed (zstd); unpack it first" },
+    { "PK\x03\x04", "a zip archive; unpack it first" },
+  };
+  for (const auto& [mark, what] : encodings)
+  {
+    if (start.compare(0, mark.size(), mark) == 0)
+    {
+      throw Error(file.name() + ": the file is " + what);
+    }
+  }
+}
+
 Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
 {
   ListReader all(file);
   const Index values = all.countValues();
   const Index lines = all.line();
-  const std::size_t firstLine = file.text(std::min<Index>(file.size(), 1 << 10)).find('\n');
+  const std::size_t firstLine = file.start(1 << 10, file.textStart()).find('\n');
   const bool threeFirst =
     firstLine != std::string::npos && ListReader(file, static_cast<Index>(firstLine)).countValues() == 3;
 
@@ -502,7 +638,8 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
   }
   // A word instead of a number, or a missing blank, is the better explanation.
   ListReader(file).checkNumbers();
-  throw Error(failure);
+  const std::string other = otherKindOfText(file, values);
+  throw Error(other.empty() ? failure : file.name() + ": " + other);
 }
 
 void readAscii(
@@ -611,15 +748,16 @@ Index markerSize(Plot3DFormat format)
 /// Bytes of a block's values.
 Index blockSize(const Plot3DLayout& layout, const Ijk& counts)
 {
-  return saturatingProduct(
-    pointCount(counts), (layout.realType == RealType::Float ? 12 : 24) + (layout.iblank == IBlank::Present ? 4 : 0));
+  return saturatingProduct(pointCount(counts),
+    (layout.realType == RealType::Float ? 12 : 24) + (layout.iblank == IBlank::Present ? layout.integerSize : 0));
 }
 
 /// Where the first block's values (or the marker before them) start.
 Index headerSize(const Plot3DLayout& layout)
 {
   const Index marker = markerSize(layout.format);
-  return (layout.multiBlock ? 4 + 2 * marker : 0) + 12 * static_cast<Index>(layout.counts.size()) + 2 * marker;
+  return (layout.multiBlock ? layout.integerSize + 2 * marker : 0) +
+    3 * layout.integerSize * static_cast<Index>(layout.counts.size()) + 2 * marker;
 }
 
 std::string layoutName(const Plot3DLayout& layout)
@@ -629,8 +767,34 @@ std::string layoutName(const Plot3DLayout& layout)
   if (layout.format != Plot3DFormat::Ascii)
   {
     text += layout.byteOrder == ByteOrder::LittleEndian ? ", little-endian" : ", big-endian";
+    text += layout.integerSize == 8 ? ", integers of 8 bytes" : "";
   }
   return text;
+}
+
+std::vector<Index> readIntegers(InputFile& file, Index offset, Index count, const Plot3DLayout& layout)
+{
+  std::vector<Index> values(static_cast<std::size_t>(count));
+  const bool swap = isForeign(layout.byteOrder);
+  if (layout.integerSize == 8)
+  {
+    file.read(offset, values.data(), 8 * count);
+    for (Index& value : values)
+    {
+      value = swap ? swapBytes(value) : value;
+    }
+    return values;
+  }
+  std::vector<std::int32_t> words(values.size());
+  file.read(offset, words.data(), 4 * count);
+  std::transform(words.begin(), words.end(), values.begin(),
+    [swap](std::int32_t word) { return Index(swap ? swapBytes(word) : word); });
+  return values;
+}
+
+Index readInteger(InputFile& file, Index offset, const Plot3DLayout& layout)
+{
+  return readIntegers(file, offset, 1, layout)[0];
 }
 
 /// How far an interpretation of the header got.
@@ -678,7 +842,8 @@ void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
 {
   const Index marker = markerSize(layout.format);
   Index offset = 0;
-  int blocks = 1;
+  Index blocks = 1;
+  const Index size = layout.integerSize;
   const auto require = [&](Index bytes) {
     if (bytes > file.size())
     {
@@ -688,20 +853,20 @@ void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
   progress = Nothing;
   if (layout.multiBlock)
   {
-    require(4 + 2 * marker);
+    require(size + 2 * marker);
     if (marker != 0)
     {
-      checkRecord(file, layout, 0, 4, "number of blocks");
+      checkRecord(file, layout, 0, size, "number of blocks");
       progress = Marker;
     }
-    blocks = readValue<std::int32_t>(file, marker, layout.byteOrder);
-    if (blocks < 1)
+    blocks = readInteger(file, marker, layout);
+    if (blocks < 1 || blocks > std::numeric_limits<int>::max())
     {
       throw Error("the number of blocks at offset " + std::to_string(marker) + " is " + std::to_string(blocks));
     }
-    offset = 4 + 2 * marker;
+    offset = size + 2 * marker;
   }
-  const Index bytes = 12 * Index(blocks);
+  const Index bytes = 3 * size * blocks;
   if (layout.multiBlock && bytes < file.size())
   {
     progress = std::max(progress, BlockCount);
@@ -712,18 +877,19 @@ void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
     checkRecord(file, layout, offset, bytes, "points per direction");
     progress = Marker;
   }
+  const std::vector<Index> counts = readIntegers(file, offset + marker, 3 * blocks, layout);
   layout.counts.resize(static_cast<std::size_t>(blocks));
-  file.read(offset + marker, layout.counts.data(), bytes);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
   {
-    for (int& count : layout.counts[b])
+    for (int d = 0; d < 3; ++d)
     {
-      count = isForeign(layout.byteOrder) ? swapBytes(count) : count;
+      layout.counts[b][d] = static_cast<int>(
+        std::clamp<Index>(counts[3 * b + d], std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
     }
     if (!positive(layout.counts[b]))
     {
       throw Error(blockName(b) + " has " + toString(layout.counts[b]) + " points (at offset " +
-        std::to_string(offset + marker + 12 * static_cast<Index>(b)) + ")");
+        std::to_string(offset + marker + 3 * size * static_cast<Index>(b)) + ")");
     }
   }
   // Without a number of blocks any three positive numbers would do.
@@ -780,7 +946,7 @@ bool believable(InputFile& file, const Plot3DLayout& layout)
 std::string hexadecimal(InputFile& file)
 {
   std::string text;
-  for (const char c : file.text(std::min<Index>(file.size(), 8)))
+  for (const char c : file.start(8))
   {
     char byte[4];
     std::snprintf(byte, sizeof(byte), "%02x ", static_cast<unsigned char>(c));
@@ -806,13 +972,14 @@ void forEachBinaryHeader(InputFile& file, const Plot3DOptions& options, const Vi
   {
     for (const ByteOrder order : choices(options.byteOrder, { ByteOrder::LittleEndian, ByteOrder::BigEndian }))
     {
-      for (const bool multiBlock : { true, false })
+      for (const int kind : { 0, 1, 2, 3 })
       {
         Plot3DLayout layout;
         static_cast<Plot3DOptions&>(layout) = options;
         layout.format = format;
         layout.byteOrder = order;
-        layout.multiBlock = multiBlock;
+        layout.multiBlock = kind % 2 == 0;
+        layout.integerSize = kind < 2 ? 4 : 8;
         Progress progress = Nothing;
         try
         {
@@ -827,6 +994,99 @@ void forEachBinaryHeader(InputFile& file, const Plot3DOptions& options, const Vi
       }
     }
   }
+}
+
+/// Whether records of these numbers of reals, `iblank` integers behind the first, are what is left from `offset`.
+bool fillFile(
+  InputFile& file, const Plot3DLayout& layout, Index offset, const std::vector<Index>& records, bool iblank, int dims)
+{
+  const Index marker = markerSize(layout.format);
+  const Index real = layout.realType == RealType::Float ? 4 : 8;
+  for (const Index values : records)
+  {
+    const Index bytes =
+      saturatingSum(saturatingProduct(values, real), iblank ? saturatingProduct(values / dims, layout.integerSize) : 0);
+    if (bytes > file.size() - offset - 2 * marker)
+    {
+      return false;
+    }
+    if (marker != 0)
+    {
+      try
+      {
+        checkRecord(file, layout, offset, bytes, "");
+      }
+      catch (const Error&)
+      {
+        return false;
+      }
+    }
+    offset += bytes + 2 * marker;
+  }
+  return offset == file.size();
+}
+
+/// What a binary file is that is no grid; empty if no kind explains its size.
+/// @param records whether it has record markers: then a size that fits without them is a coincidence
+std::string otherKindOfBinary(InputFile& file, bool records)
+{
+  for (const OtherKind& kind : otherKinds())
+  {
+    for (const Plot3DFormat format : { Plot3DFormat::Fortran, Plot3DFormat::Fortran64, Plot3DFormat::Binary })
+    {
+      for (int bits = 0; bits < 16; ++bits)
+      {
+        Plot3DLayout layout;
+        layout.format = format;
+        layout.byteOrder = bits & 1 ? ByteOrder::BigEndian : ByteOrder::LittleEndian;
+        layout.multiBlock = (bits & 2) == 0;
+        layout.integerSize = bits & 4 ? 8 : 4;
+        layout.realType = bits & 8 ? RealType::Double : RealType::Float;
+        const Index marker = markerSize(format);
+        const Index size = layout.integerSize;
+        if (marker == 0 && (records || kind.onlyInRecords))
+        {
+          continue;
+        }
+        try
+        {
+          const Index blocks = layout.multiBlock ? readInteger(file, marker, layout) : 1;
+          const Index offset = layout.multiBlock ? size + 2 * marker : 0;
+          if (blocks < 1 || blocks > file.size() / (size * kind.counts))
+          {
+            continue;
+          }
+          const Index bytes = size * kind.counts * blocks;
+          if (marker != 0)
+          {
+            checkRecord(file, layout, offset, bytes, "");
+          }
+          const std::vector<Index> header = readIntegers(file, offset + marker, kind.counts * blocks, layout);
+          std::vector<Index> lengths;
+          bool possible = std::all_of(header.begin(), header.end(), [](Index count) { return count >= 1; });
+          for (auto at = header.begin(); possible && at != header.end(); at += kind.counts)
+          {
+            const std::vector<Index> own = kind.records({ at, at + kind.counts });
+            lengths.insert(lengths.end(), own.begin(), own.end());
+            possible = static_cast<Index>(lengths.size()) <= file.size() / 4;
+          }
+          const int dims = kind.counts == 2 ? 2 : 3;
+          for (const bool iblank : { false, true })
+          {
+            if (possible && fillFile(file, layout, offset + bytes + 2 * marker, lengths, iblank, dims))
+            {
+              return std::string("the file is ") + kind.text;
+            }
+          }
+        }
+        catch (const Error&)
+        {
+          // Not this one.
+        }
+      }
+    }
+  }
+  return {};
 }
 
 Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
@@ -885,6 +1145,11 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
     const auto best = std::find_if(fitting.begin(), fitting.end(),
       [&](const Plot3DLayout& layout) { return fitting.size() == 1 || believable(file, layout); });
     return best != fitting.end() ? *best : fitting.front();
+  }
+  const std::string other = otherKindOfBinary(file, farthest >= Marker);
+  if (!other.empty())
+  {
+    throw Error(file.name() + ": " + other);
   }
   std::string text = file.name() + ": no PLOT3D layout explains the file of " + std::to_string(file.size()) +
     " bytes. Tried were all combinations of format, byte order, precision and iblank that the properties leave open. ";
@@ -960,10 +1225,59 @@ void readBinary(
     if (layout.iblank == IBlank::Present)
     {
       block.iblank.reset(new int[static_cast<std::size_t>(size)]);
-      readArray<int>(
-        file, at, size, layout.byteOrder, [&](Index p, int value) { block.iblank[p] = value; }, report);
+      const auto store = [&](Index p, Index value) { block.iblank[p] = static_cast<int>(value); };
+      layout.integerSize == 8 ? readArray<Index>(file, at, size, layout.byteOrder, store, report)
+                              : readArray<int>(file, at, size, layout.byteOrder, store, report);
     }
     checkFinite(file.name(), block);
+  }
+}
+
+/// The share of cells whose corner Jacobian has not the sign of the most. @param value(point, axis) coordinates
+template <typename Value>
+double minorityOfSigns(const Ijk& counts, const Value& value)
+{
+  const Index row = counts[0];
+  const Index layer = row * counts[1];
+  Index positive = 0;
+  Index negative = 0;
+  Index all = 0;
+  for (int k = 0; k + 1 < counts[2]; ++k)
+  {
+    for (int j = 0; j + 1 < counts[1]; ++j)
+    {
+      for (int i = 0; i + 1 < counts[0]; ++i)
+      {
+        const Index p = i + row * j + layer * k;
+        const auto edge = [&](Index q) {
+          return Vec3(value(q, 0) - value(p, 0), value(q, 1) - value(p, 1), value(q, 2) - value(p, 2));
+        };
+        const double volume = edge(p + 1).cross(edge(p + row)).dot(edge(p + layer));
+        positive += volume > 0.0;
+        negative += volume < 0.0;
+        ++all;
+      }
+    }
+  }
+  return 1.0 - double(std::max(positive, negative)) / double(all);
+}
+
+/// Planes format has the size of whole format: it shows in a mesh that is tangled one way and sound the other way.
+void refusePlanes(const std::string& fileName, const GridBlock& block)
+{
+  const Ijk& counts = block.counts;
+  const Index size = block.size();
+  const Index layer = Index(counts[0]) * counts[1];
+  // Values in the order of the file.
+  const auto stored = [&](Index v) -> double {
+    const Index at = 3 * (v % size) + v / size;
+    return block.floats ? double(block.floats[at]) : block.doubles[at];
+  };
+  const auto whole = [&](Index p, int axis) { return stored(axis * size + p); };
+  const auto planes = [&](Index p, int axis) { return stored((3 * (p / layer) + axis) * layer + p % layer); };
+  if (minorityOfSigns(counts, whole) > 0.1 && minorityOfSigns(counts, planes) < 0.01)
+  {
+    throw Error(fileName + ": the file is " + otherKinds().back().text);
   }
 }
 
@@ -982,6 +1296,7 @@ std::string Plot3DLayout::description() const
 Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options)
 {
   InputFile file(fileName);
+  refuseEncodings(file);
   const bool ascii = options.format == Plot3DFormat::Automatic ? isText(file) : options.format == Plot3DFormat::Ascii;
   const Plot3DLayout layout = ascii ? asciiLayout(file, options) : binaryLayout(file, options);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
@@ -989,7 +1304,7 @@ Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& opti
     const Ijk& counts = layout.counts[b];
     if (*std::min_element(counts.begin(), counts.end()) < 2)
     {
-      throw Error(fileName + ": " + blockName(b) + " is a surface of " + toString(counts) +
+      throw Error(fileName + ": " + blockName(b) + " is a surface (a two-dimensional grid) of " + toString(counts) +
         " points; hexahedra need at least 2 points in each direction");
     }
   }
@@ -1008,7 +1323,7 @@ bool looksLikePlot3D(const std::string& fileName)
       {
         try
         {
-          ListReader reader(file, std::min<Index>(file.size(), 1 << 20));
+          ListReader reader(file, std::min<Index>(file.size() - file.textStart(), 1 << 20));
           readHeader(reader, multiBlock, file.size());
           return true;
         }
@@ -1046,6 +1361,15 @@ std::vector<GridBlock> readPlot3D(
   {
     layout.format == Plot3DFormat::Ascii ? readAscii(file, layout, blocks, piece, run)
                                          : readBinary(file, layout, blocks, piece, run);
+    if (layout.format == Plot3DFormat::Ascii || layout.format == Plot3DFormat::Binary)
+    {
+      const auto own =
+        std::find_if(blocks.begin(), blocks.end(), [](const GridBlock& block) { return block.isHere(); });
+      if (own != blocks.end())
+      {
+        refusePlanes(fileName, *own);
+      }
+    }
   }
   catch (const std::bad_alloc&)
   {

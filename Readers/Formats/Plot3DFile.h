@@ -2,7 +2,7 @@
 /// @file Plot3DFile.h
 /// PLOT3D grid files, three-dimensional, of one or many blocks.
 ///
-/// All kinds hold the same sequence, in integers of 4 bytes and reals of 4 or 8: the number of blocks, the points per
+/// All kinds hold the same sequence, in integers and reals of 4 or 8 bytes: the number of blocks, the points per
 /// direction of every block, then per block all x, all y, all z and optionally all iblank values, i fastest. A file of
 /// a single block may lack the number of blocks. The kinds differ in how the sequence is stored:
 /// - ASCII: Fortran list-directed, that is separated by blanks, commas or line ends anywhere, with repeats `2*65` and
@@ -69,6 +69,8 @@ struct Plot3DLayout : Plot3DOptions
 {
   /// Whether the file starts with the number of blocks.
   bool multiBlock = true;
+  /// Bytes of an integer of a binary file: 4 or 8.
+  int integerSize = 4;
   /// Points per direction of every block.
   std::vector<Ijk> counts;
 
@@ -79,7 +81,8 @@ struct Plot3DLayout : Plot3DOptions
 /// Finds the layout: the one that explains the size of the file to the byte (ASCII: to the number), looked for in the
 /// order of the enumerators above, several blocks before one. A header within record markers rules raw binary out.
 /// Should several explain the file, the first one whose coordinates are of believable size is taken.
-/// @throws Error if none does: the text names the file, what was tried and where that failed.
+/// @throws Error if none does: the text names the file and what it is instead (two-dimensional, planes format, a
+/// solution or function file, compressed, UTF-16), or what was tried and where that failed.
 Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options = {});
 
 /// Whether the header is that of a PLOT3D file, well or ill formed behind it. Never throws.

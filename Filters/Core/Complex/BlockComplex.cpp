@@ -158,6 +158,7 @@ public:
     this->Result.boundaryNames = this->Mesh.boundaryNames;
     this->Result.notes = this->Mesh.notes;
     this->Result.warnings = this->Mesh.warnings;
+    this->Result.boundaryTypes = this->Mesh.boundaryTypes;
     this->makePieces();
     this->makeFaces();
     this->makeVerticesAndEdges();

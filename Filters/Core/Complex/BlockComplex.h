@@ -113,6 +113,8 @@ struct BlockComplex
   std::vector<ComplexEdge> edges;
   std::vector<ComplexFace> faces;
   std::vector<std::string> boundaryNames;
+  /// BlockMesh::boundaryTypes.
+  std::vector<std::string> boundaryTypes;
 
   /// Cells whose corner Jacobians do not all have the sign of their block.
   Index tangledCells = 0;

@@ -83,6 +83,9 @@ struct BlockMesh
   std::vector<Interface> interfaces;
   std::vector<BoundaryPatch> boundaries;
   std::vector<std::string> boundaryNames;
+  /// What each boundary is, as CGNS calls it: "BCWallViscous", "BCSymmetryPlane", .., or "BCTypeUserDefined" where it
+  /// is not known. Empty, or as many as there are names.
+  std::vector<std::string> boundaryTypes;
   std::vector<CreaseLine> creases;
   /// How the mesh came about and what may be wrong with it, one sentence each.
   std::vector<std::string> notes;

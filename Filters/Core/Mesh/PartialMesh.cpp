@@ -21,6 +21,7 @@ PartialMesh::PartialMesh(const BlockMesh& mesh, const Ranks& ranks)
   this->Known.interfaces = mesh.interfaces;
   this->Known.boundaries = mesh.boundaries;
   this->Known.boundaryNames = mesh.boundaryNames;
+  this->Known.boundaryTypes = mesh.boundaryTypes;
   this->Known.creases = mesh.creases;
 }
 

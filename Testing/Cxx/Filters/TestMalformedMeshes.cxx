@@ -233,11 +233,12 @@ TEST(MalformedMeshes, NeutralMap)
     { "size missing", "2\n1 3 3\n2 3 3 3\n", { "line 2", "missing" } },
     { "empty", "# nothing\n", { "number of blocks is missing" } },
     { "word for a number", contact("wall 1 3 1 x 1 3"), { "line 4", "'x'" } },
-    { "block of a boundary", contact("wall 3 3 1 3 1 3"), { "line 4", "block 3", "1..2" } },
-    { "face", contact("wall 1 7 1 3 1 3"), { "line 4", "face 7", "1..6" } },
-    { "range beyond the face", contact("wall 1 3 1 4 1 3"), { "line 4", "4", "1..3" } },
-    { "range from zero", contact("wall 1 3 0 3 1 3"), { "line 4", "0", "1..3" } },
-    { "range without extent", contact("wall 1 3 2 2 1 3"), { "line 4", "2..2" } },
+    { "block of a contact", contact("ONE_TO_ONE 3 3 1 3 1 3  2 3 1 3 1 3 FALSE"), { "line 4", "block 3", "1..2" } },
+    { "face", contact("ONE_TO_ONE 1 7 1 3 1 3  2 3 1 3 1 3 FALSE"), { "line 4", "face 7", "1..6" } },
+    { "range beyond the face", contact("ONE_TO_ONE 1 4 1 4 1 3  2 3 1 3 1 3 FALSE"), { "line 4", "4", "1..3" } },
+    { "range from zero", contact("ONE_TO_ONE 1 4 0 3 1 3  2 3 1 3 1 3 FALSE"), { "line 4", "0", "1..3" } },
+    { "range without extent", contact("ONE_TO_ONE 1 4 2 2 1 3  2 3 2 2 1 3 FALSE"), { "line 4", "2..2" } },
+    { "two sides of another type", contact("interface 1 4 1 3 1 3  2 3 1 3 1 3 FALSE"), { "line 4", "'interface'" } },
     { "range missing", contact("wall 1 3 1 3"), { "line 4", "missing" } },
     { "second half missing", contact("ONE_TO_ONE 1 4 1 3 1 3"), { "line 4", "missing" } },
     { "swap missing", contact("ONE_TO_ONE 1 4 1 3 1 3  2 3 1 3 1 3"), { "line 4", "swap" } },
@@ -276,11 +277,6 @@ TEST(MalformedMeshes, CGNS)
     int id = 0;
     require(cg_1to1_write(file, 1, 1, "joint", "zone 2", range, donor, transform.data(), &id));
   };
-  const auto condition = [](int file, CGNS_ENUMT(PointSetType_t) set, const std::vector<cgsize_t>& points) {
-    int id = 0;
-    require(cg_boco_write(
-      file, 1, 1, "wall", CGNS_ENUMV(BCWall), set, static_cast<cgsize_t>(points.size() / 3), points.data(), &id));
-  };
   const std::vector<BadMesh> meshes = {
     { "zone without coordinates",
       [&](int file) {
@@ -302,15 +298,6 @@ TEST(MalformedMeshes, CGNS)
         require(cg_zone_write(file, 1, "flat", flat, CGNS_ENUMV(Structured), &id));
       },
       { "zone 'flat'", "3 x 1 x 3" } },
-    { "surface base",
-      [&](int file) {
-        const cgsize_t flat[6] = { 3, 3, 2, 2, 0, 0 };
-        int base = 0;
-        int id = 0;
-        require(cg_base_write(file, "skin", 2, 3, &base));
-        require(cg_zone_write(file, base, "patch", flat, CGNS_ENUMV(Structured), &id));
-      },
-      { "base 'skin'", "surface" } },
     { "coordinates of another kind",
       [&](int file) {
         const std::vector<double> values(27, 1.0);
@@ -352,26 +339,6 @@ TEST(MalformedMeshes, CGNS)
         require(cg_1to1_write(file, 1, 1, "joint", "zone 9", range, donor, transform, &id));
       },
       { "interface 'joint'", "zone 9" } },
-    { "condition inside the block",
-      [&](int file) {
-        condition(file, CGNS_ENUMV(PointRange), { 2, 1, 1, 2, 3, 3 });
-      },
-      { "boundary condition 'wall'", "(2, 1, 1) to (2, 3, 3)" } },
-    { "condition on the whole block",
-      [&](int file) {
-        condition(file, CGNS_ENUMV(PointRange), { 1, 1, 1, 3, 3, 3 });
-      },
-      { "boundary condition 'wall'", "not on a face" } },
-    { "condition beyond the block",
-      [&](int file) {
-        condition(file, CGNS_ENUMV(PointRange), { 1, 1, 1, 1, 3, 4 });
-      },
-      { "boundary condition 'wall'", "(1, 3, 4)", "3 x 3 x 3" } },
-    { "list beyond the block",
-      [&](int file) {
-        condition(file, CGNS_ENUMV(PointList), { 1, 1, 1, 1, 0, 1 });
-      },
-      { "boundary condition 'wall'", "(1, 0, 1)" } },
   };
   MeshCase mesh = twoBlocks();
   mesh.interfaces.clear();

@@ -313,7 +313,7 @@ TEST(HexBlockMeshReader, CGNSPeriodicContactsAreBoundaries)
   EXPECT_EQ(found.mesh.boundaryNames[0], "Periodic");
 }
 
-TEST(HexBlockMeshReader, CGNSConditionsWithoutFamilyAreNamedByType)
+TEST(HexBlockMeshReader, CGNSConditionsWithoutFamilyKeepTheirNames)
 {
   TemporaryFolder folder;
   writeCGNS(meshcases::cutBox({ 3, 2, 2 }), folder / "mesh.cgns");
@@ -331,7 +331,8 @@ TEST(HexBlockMeshReader, CGNSConditionsWithoutFamilyAreNamedByType)
   Reading reading;
   read(reading, folder / "mesh.cgns");
   const ReadMesh found = readMesh(reading);
-  EXPECT_EQ(found.mesh.boundaryNames, (std::vector<std::string>{ "BCWallViscous", "mine" }));
+  EXPECT_EQ(found.mesh.boundaryNames, (std::vector<std::string>{ "a", "mine" }));
+  EXPECT_EQ(found.mesh.boundaryTypes, (std::vector<std::string>{ "BCWallViscous", "BCTypeUserDefined" }));
   ASSERT_EQ(found.mesh.boundaries.size(), 2u);
   EXPECT_EQ(found.mesh.boundaries[1].face, 1);
 }
@@ -385,7 +386,7 @@ TEST(HexBlockMeshReader, CGNSPointListOverSeveralFaces)
   std::vector<std::array<int, 4>> found;
   for (const auto& [block, face, s, t, name] : namedQuads(readMesh(reading).mesh))
   {
-    EXPECT_EQ(name, "BCWall");
+    EXPECT_EQ(name, "wall");
     found.push_back({ block, face, s, t });
   }
   std::sort(expected.begin(), expected.end());

@@ -418,11 +418,13 @@ struct Reading
   vtkNew<vtkHexBlockMeshReader> reader;
   vtkSmartPointer<vtkPartitionedDataSetCollection> output;
   std::vector<std::string> errors;
+  std::vector<std::string> warnings;
 };
 
-inline void collect(vtkObject*, unsigned long, void* errors, void* text)
+inline void collect(vtkObject*, unsigned long event, void* reading, void* text)
 {
-  static_cast<std::vector<std::string>*>(errors)->push_back(static_cast<const char*>(text));
+  auto* texts = static_cast<Reading*>(reading);
+  (event == vtkCommand::ErrorEvent ? texts->errors : texts->warnings).emplace_back(static_cast<const char*>(text));
 }
 
 /// Reads with the properties set so far.
@@ -430,8 +432,9 @@ inline void update(Reading& reading)
 {
   vtkNew<vtkCallbackCommand> observer;
   observer->SetCallback(collect);
-  observer->SetClientData(&reading.errors);
+  observer->SetClientData(&reading);
   reading.reader->AddObserver(vtkCommand::ErrorEvent, observer);
+  reading.reader->AddObserver(vtkCommand::WarningEvent, observer);
   // The pipeline tells once more that the reader failed.
   vtkNew<vtkCallbackCommand> silence;
   reading.reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);

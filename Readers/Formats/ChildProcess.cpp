@@ -1,0 +1,533 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/ChildProcess.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <new>
+
+#ifdef __unix__
+#include <cerrno>
+#include <csignal>
+#include <ctime>
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+#endif
+
+namespace bsv
+{
+
+#ifndef __unix__
+
+SharedFile::~SharedFile() = default;
+
+SharedFile SharedFile::create()
+{
+  return {};
+}
+
+Index SharedFile::size() const
+{
+  return 0;
+}
+
+void* SharedFile::append(Index, Index&) const
+{
+  throw std::bad_alloc();
+}
+
+void* SharedFile::section(Index, Index) const
+{
+  throw std::bad_alloc();
+}
+
+void SharedFile::release(void*) {}
+
+std::string programBeside(const std::string&)
+{
+  return {};
+}
+
+std::optional<ChildResult> runChild(
+  const std::string&, const std::vector<std::string>&, const std::string&, const ChildLimits&, const Execution&)
+{
+  return std::nullopt;
+}
+
+void ChildChannel::send(char, const void*, std::size_t) const {}
+
+#else
+
+namespace
+{
+
+/// In front of a section: its length with this, so that it can be unmapped by its address alone. Keeps alignment.
+constexpr Index SectionHeader = 64;
+
+Index pageSize()
+{
+  return static_cast<Index>(sysconf(_SC_PAGESIZE));
+}
+
+Index roundedUp(Index bytes)
+{
+  const Index page = pageSize();
+  return (bytes + page - 1) / page * page;
+}
+
+void* mapped(int descriptor, Index offset, Index bytes, int flags)
+{
+  void* start = mmap(nullptr, static_cast<std::size_t>(bytes), PROT_READ | PROT_WRITE, flags, descriptor, offset);
+  if (start == MAP_FAILED)
+  {
+    throw std::bad_alloc();
+  }
+  return start;
+}
+
+/// Descriptors that are closed at the end of the scope.
+class Descriptor
+{
+public:
+  explicit Descriptor(int number = -1)
+    : Number(number)
+  {
+  }
+  ~Descriptor() { this->close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return this->Number; }
+  void close()
+  {
+    if (this->Number >= 0)
+    {
+      ::close(this->Number);
+      this->Number = -1;
+    }
+  }
+
+private:
+  int Number;
+};
+
+/// Above those that the child gets, so that none of them is overwritten when these are passed on.
+int aboveStandard(int descriptor)
+{
+  const int high = fcntl(descriptor, F_DUPFD_CLOEXEC, 10);
+  ::close(descriptor);
+  return high;
+}
+
+/// Free memory of the machine and room of the address space for libraries.
+double freeBytes()
+{
+  std::ifstream stream("/proc/meminfo");
+  for (std::string word; stream >> word;)
+  {
+    double kilobytes = 0.0;
+    if (word == "MemAvailable:" && stream >> kilobytes)
+    {
+      return 1024.0 * kilobytes;
+    }
+  }
+  return 0.0;
+}
+
+double processorSeconds(pid_t child)
+{
+  clockid_t clock;
+  timespec time{};
+  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &time) != 0)
+  {
+    return 0.0;
+  }
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
+
+std::string signalText(int signal)
+{
+  switch (signal)
+  {
+    case SIGSEGV:
+      return "segmentation fault";
+    case SIGABRT:
+      return "abort";
+    case SIGFPE:
+      return "arithmetic error";
+    case SIGBUS:
+      return "bus error";
+    case SIGILL:
+      return "illegal instruction";
+    case SIGXCPU:
+      return "time limit";
+    default:
+      return "signal " + std::to_string(signal);
+  }
+}
+
+/// A child that is ended and waited for, whatever happens.
+class Child
+{
+public:
+  Child() = default;
+  ~Child()
+  {
+    if (this->Id > 0)
+    {
+      kill(this->Id, SIGKILL);
+      this->wait();
+    }
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  /// @return false if the program cannot be started.
+  bool start(const std::string& program, const std::vector<std::string>& arguments, int file, int pipe)
+  {
+    std::vector<char*> words{ const_cast<char*>(program.c_str()) };
+    for (const std::string& argument : arguments)
+    {
+      words.push_back(const_cast<char*>(argument.c_str()));
+    }
+    words.push_back(nullptr);
+
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawnattr_init(&attributes);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, file, ChildChannel::File);
+    posix_spawn_file_actions_adddup2(&actions, pipe, ChildChannel::Pipe);
+    sigset_t signals;
+    sigemptyset(&signals);
+    posix_spawnattr_setsigmask(&attributes, &signals);
+    sigfillset(&signals);
+    posix_spawnattr_setsigdefault(&attributes, &signals);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    const std::vector<std::string> variables = environment();
+    std::vector<char*> pointers;
+    for (const std::string& variable : variables)
+    {
+      pointers.push_back(const_cast<char*>(variable.c_str()));
+    }
+    pointers.push_back(nullptr);
+    const int failure = posix_spawn(&this->Id, program.c_str(), &actions, &attributes, words.data(), pointers.data());
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    this->Id = failure != 0 ? 0 : this->Id;
+    return failure == 0;
+  }
+
+  void limit(const ChildLimits& limits) const
+  {
+#ifdef __linux__
+    const auto set = [this](__rlimit_resource resource, double value) {
+      if (value > 0.0)
+      {
+        rlimit bound{};
+        bound.rlim_cur = bound.rlim_max = static_cast<rlim_t>(value);
+        prlimit(this->Id, resource, &bound, nullptr);
+      }
+    };
+    // Libraries take address space, but hardly memory.
+    constexpr double Libraries = 2e9;
+    set(RLIMIT_AS, limits.bytes > 0.0 ? limits.bytes : freeBytes() > 0.0 ? freeBytes() + Libraries : 0.0);
+    set(RLIMIT_CPU, std::max(1.0, limits.processorSeconds));
+    rlimit none{};
+    prlimit(this->Id, RLIMIT_CORE, &none, nullptr);
+#else
+    (void)limits;
+#endif
+  }
+
+  double seconds() const
+  {
+    return processorSeconds(this->Id);
+  }
+
+  /// How it ended, for a message; empty if it ended by itself without an error.
+  std::string wait()
+  {
+    int status = 0;
+    pid_t found = 0;
+    do
+    {
+      found = waitpid(this->Id, &status, 0);
+    } while (found < 0 && errno == EINTR);
+    this->Id = 0;
+    if (found < 0)
+    {
+      return {}; // someone else has waited for it
+    }
+    this->ExitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    if (WIFSIGNALED(status))
+    {
+      return "it ended with a " + signalText(WTERMSIG(status));
+    }
+    return this->ExitCode == 0 ? "" : "it ended with code " + std::to_string(this->ExitCode);
+  }
+
+  int exitCode() const
+  {
+    return this->ExitCode;
+  }
+
+private:
+  /// That of this process. The program finds the libraries that this one has loaded, wherever they are.
+  static std::vector<std::string> environment()
+  {
+    std::string folder;
+    Dl_info information{};
+    if (dladdr(reinterpret_cast<void*>(&posix_spawn), &information) != 0)
+    {
+      folder.clear();
+    }
+    std::vector<std::string> variables;
+    for (char** at = environ; at && *at; ++at)
+    {
+      variables.emplace_back(*at);
+    }
+    return variables;
+  }
+
+  pid_t Id = 0;
+  int ExitCode = 0;
+};
+
+} // namespace
+
+SharedFile::~SharedFile()
+{
+  if (this->Descriptor >= 0)
+  {
+    ::close(this->Descriptor);
+  }
+}
+
+SharedFile SharedFile::create()
+{
+#ifdef __linux__
+  const int descriptor = memfd_create("BSplineVolume", MFD_CLOEXEC);
+#else
+  std::string path = (std::filesystem::temp_directory_path() / "BSplineVolume-XXXXXX").string();
+  const int descriptor = mkstemp(path.data());
+  if (descriptor >= 0)
+  {
+    unlink(path.c_str());
+  }
+#endif
+  const int high = descriptor < 0 ? -1 : aboveStandard(descriptor);
+  if (high < 0)
+  {
+    throw Error(std::string("no file for the result of another process: ") + std::strerror(errno));
+  }
+  return SharedFile(high);
+}
+
+Index SharedFile::size() const
+{
+  return static_cast<Index>(lseek(this->Descriptor, 0, SEEK_END));
+}
+
+void* SharedFile::append(Index bytes, Index& offset) const
+{
+  offset = roundedUp(this->size());
+  const Index length = roundedUp(bytes + SectionHeader);
+  if (ftruncate(this->Descriptor, offset + length) != 0)
+  {
+    throw std::bad_alloc();
+  }
+  auto* start = static_cast<char*>(mapped(this->Descriptor, offset, length, MAP_SHARED));
+  std::memcpy(start, &length, sizeof(length));
+  return start + SectionHeader;
+}
+
+void* SharedFile::section(Index offset, Index bytes) const
+{
+  const Index length = roundedUp(bytes + SectionHeader);
+  if (offset < 0 || offset % pageSize() != 0 || bytes < 0 || offset + length > this->size())
+  {
+    throw Error("another process has promised " + std::to_string(bytes) + " bytes at offset " + std::to_string(offset) +
+      ", but not given them");
+  }
+  auto* start = static_cast<char*>(mapped(this->Descriptor, offset, length, MAP_PRIVATE));
+  std::memcpy(start, &length, sizeof(length));
+  return start + SectionHeader;
+}
+
+void SharedFile::release(void* section)
+{
+  if (section)
+  {
+    char* start = static_cast<char*>(section) - SectionHeader;
+    Index length = 0;
+    std::memcpy(&length, start, sizeof(length));
+    munmap(start, static_cast<std::size_t>(length));
+  }
+}
+
+std::string programBeside(const std::string& name)
+{
+  Dl_info information{};
+  if (dladdr(reinterpret_cast<void*>(&programBeside), &information) == 0 || !information.dli_fname)
+  {
+    return {};
+  }
+  std::error_code failure;
+  const std::filesystem::path library = std::filesystem::weakly_canonical(information.dli_fname, failure);
+  const std::filesystem::path program = (failure ? information.dli_fname : library).parent_path() / name;
+  return access(program.c_str(), X_OK) == 0 ? program.string() : std::string();
+}
+
+std::optional<ChildResult> runChild(const std::string& program, const std::vector<std::string>& arguments,
+  const std::string& subject, const ChildLimits& limits, const Execution& run)
+{
+  ChildResult result{ SharedFile::create(), {} };
+  int ends[2];
+  if (pipe(ends) != 0)
+  {
+    throw Error(subject + ": no pipe to another process: " + std::strerror(errno));
+  }
+  Descriptor reading(aboveStandard(ends[0]));
+  Descriptor writing(aboveStandard(ends[1]));
+  Child child;
+  if (reading.get() < 0 || writing.get() < 0 ||
+    !child.start(program, arguments, result.file.descriptor(), writing.get()))
+  {
+    return std::nullopt;
+  }
+  writing.close();
+  child.limit(limits);
+
+  std::string received;
+  double fraction = 0.0;
+  double seconds = 0.0;
+  auto busy = std::chrono::steady_clock::now();
+  const auto idle = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - busy).count(); };
+  for (bool open = true; open;)
+  {
+    pollfd waiting{ reading.get(), POLLIN, 0 };
+    const int ready = poll(&waiting, 1, 100);
+    if (ready > 0)
+    {
+      char buffer[1 << 16];
+      const ssize_t count = read(reading.get(), buffer, sizeof(buffer));
+      open = count > 0 || (count < 0 && errno == EINTR);
+      received.append(buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+      // What is more than a report of progress is the last that the child says.
+      while (received.size() >= 9 && received[0] == 'P')
+      {
+        double value = 0.0;
+        std::memcpy(&value, received.data() + 1, sizeof(value));
+        fraction = value >= fraction && value <= 1.0 ? value : fraction;
+        received.erase(0, 9);
+      }
+    }
+    run.report(fraction);
+    const double now = child.seconds();
+    if (now != seconds || ready > 0)
+    {
+      seconds = now;
+      busy = std::chrono::steady_clock::now();
+    }
+    else if (open && idle() > limits.idleSeconds)
+    {
+      throw Error(subject + ": reading has stopped: the library that reads it has done nothing for " +
+        std::to_string(static_cast<int>(limits.idleSeconds)) + " seconds");
+    }
+  }
+
+  const double used = child.seconds();
+  const std::string end = child.wait();
+  std::uint64_t length = 0;
+  if (received.size() >= 9)
+  {
+    std::memcpy(&length, received.data() + 1, sizeof(length));
+  }
+  const bool whole = received.size() >= 9 && received.size() == 9 + length;
+  if (whole && received[0] == 'E')
+  {
+    throw Error(received.substr(9));
+  }
+  if (whole && received[0] == 'D' && end.empty())
+  {
+    result.message = received.substr(9);
+    return result;
+  }
+  // The loader of the system ends a program without its libraries so.
+  constexpr int NotLoaded = 127;
+  if (child.exitCode() == NotLoaded)
+  {
+    return std::nullopt;
+  }
+  if (std::max(used, seconds) >= limits.processorSeconds - 0.5)
+  {
+    throw Error(subject + ": reading was stopped after " + std::to_string(static_cast<int>(limits.processorSeconds)) +
+      " seconds of computation in the library that reads it; the file is damaged or too large");
+  }
+  throw Error(subject + ": the library that reads it failed" + (end.empty() ? "" : ": " + end) +
+    "; the file is damaged, or memory is short");
+}
+
+void ChildChannel::send(char kind, const void* data, std::size_t bytes) const
+{
+  std::string message(1, kind);
+  message.append(static_cast<const char*>(data), bytes);
+  for (std::size_t sent = 0; sent < message.size();)
+  {
+    const ssize_t count = write(Pipe, message.data() + sent, message.size() - sent);
+    if (count < 0 && errno != EINTR)
+    {
+      _exit(1); // nobody listens any more
+    }
+    sent += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
+  }
+}
+
+#endif
+
+void ChildChannel::progress(double fraction) const
+{
+  this->send('P', &fraction, sizeof(fraction));
+}
+
+namespace
+{
+
+std::string withLength(const std::string& text)
+{
+  const std::uint64_t length = text.size();
+  std::string message(sizeof(length), '\0');
+  std::memcpy(message.data(), &length, sizeof(length));
+  return message + text;
+}
+
+} // namespace
+
+void ChildChannel::done(const std::string& message) const
+{
+  const std::string text = withLength(message);
+  this->send('D', text.data(), text.size());
+}
+
+void ChildChannel::failed(const std::string& message) const
+{
+  const std::string text = withLength(message);
+  this->send('E', text.data(), text.size());
+}
+
+} // namespace bsv

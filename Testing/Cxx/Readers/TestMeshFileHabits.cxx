@@ -1,0 +1,794 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The habits of programs that write meshes: the same mesh in other words is the same mesh, and what contradicts the
+// mesh or is not needed is left out with a warning that names it.
+#include "Support/MeshFiles.h"
+
+#include "Conversion/Conversion.h"
+#include "Data/BoundaryPatterns.h"
+#include "Data/HexBlockData.h"
+
+#include <vtkCellData.h>
+#include <vtkDataSetAttributes.h>
+#include <vtkIdList.h>
+#include <vtkPointData.h>
+#include <vtkStructuredGrid.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtk_cgns.h>
+// clang-format off
+#include VTK_CGNS(cgns_io.h)
+// clang-format on
+
+#include <functional>
+#include <map>
+#include <set>
+
+using namespace meshfiles;
+using bsv::BlockMesh;
+
+namespace
+{
+
+/// Two blocks that meet in i = 4 of the first, all contacts declared.
+MeshCase twoBlocks()
+{
+  MeshCase mesh = meshcases::cutBox({ 7, 3, 2 }, { { { 4 }, {}, {} } }, meshcases::wavy);
+  meshcases::declareAll(mesh);
+  mesh.boundaries.clear();
+  mesh.boundaryNames.clear();
+  return mesh;
+}
+
+struct Result
+{
+  std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+  BlockMesh mesh;
+  std::vector<std::string> warnings;
+};
+
+Result readMesh(const std::string& fileName)
+{
+  Reading reading;
+  read(reading, fileName);
+  EXPECT_TRUE(reading.errors.empty()) << reading.errors[0];
+  Result result;
+  result.mesh = bsv::blockMesh(reading.output, result.grids);
+  result.warnings = reading.warnings;
+  return result;
+}
+
+/// Quadrilaterals by name and type.
+std::map<std::string, std::vector<std::array<int, 4>>> boundaries(const BlockMesh& mesh)
+{
+  std::map<std::string, std::vector<std::array<int, 4>>> quads;
+  for (const bsv::BoundaryPatch& patch : mesh.boundaries)
+  {
+    const std::string type = mesh.boundaryTypes.empty() ? "" : mesh.boundaryTypes[patch.tag];
+    auto& list = quads[mesh.boundaryNames[patch.tag] + ": " + type];
+    for (int t = patch.range.lo[1]; t < patch.range.hi[1]; ++t)
+    {
+      for (int s = patch.range.lo[0]; s < patch.range.hi[0]; ++s)
+      {
+        list.push_back({ patch.block, patch.face, s, t });
+      }
+    }
+  }
+  for (auto& [name, list] : quads)
+  {
+    std::sort(list.begin(), list.end());
+  }
+  return quads;
+}
+
+std::vector<bsv::BoundaryRole> roles(const BlockMesh& mesh)
+{
+  bsv::BlockComplex complex;
+  complex.boundaryNames = mesh.boundaryNames;
+  complex.boundaryTypes = mesh.boundaryTypes;
+  return bsv::boundaryRoles(complex, bsv::defaultBodyBoundaries(), bsv::defaultSymmetryBoundaries());
+}
+
+bool mentions(const std::vector<std::string>& texts, const std::vector<std::string>& words)
+{
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) {
+    return std::all_of(
+      words.begin(), words.end(), [&](const std::string& word) { return text.find(word) != std::string::npos; });
+  });
+}
+
+//----------------------------------------------------------------------------------------------------------------------
+// CGNS
+
+using BCType = CGNS_ENUMT(BCType_t);
+
+/// Writes the mesh, and `change` more into it.
+template <typename Change>
+void writeChanged(const MeshCase& mesh, const std::string& fileName, const Change& change, int type = CG_FILE_HDF5)
+{
+  writeCGNS(mesh, fileName, { type });
+  int file = 0;
+  require(cg_open(fileName.c_str(), CG_MODE_MODIFY, &file));
+  change(file);
+  require(cg_close(file));
+}
+
+void condition(int file, int zone, const std::string& name, BCType type, const std::vector<cgsize_t>& points,
+  const std::string& family = "", CGNS_ENUMT(PointSetType_t) set = CGNS_ENUMV(PointRange),
+  CGNS_ENUMT(GridLocation_t) location = CGNS_ENUMV(Vertex))
+{
+  int id = 0;
+  require(cg_boco_write(
+    file, 1, zone, name.c_str(), type, set, static_cast<cgsize_t>(points.size() / 3), points.data(), &id));
+  if (location != CGNS_ENUMV(Vertex))
+  {
+    require(cg_boco_gridlocation_write(file, 1, zone, id, location));
+  }
+  if (!family.empty())
+  {
+    require(cg_goto(file, 1, "Zone_t", zone, "ZoneBC_t", 1, "BC_t", id, "end"));
+    require(cg_famname_write(family.c_str()));
+  }
+}
+
+void family(int file, const std::string& name, BCType type)
+{
+  int id = 0;
+  int condition = 0;
+  require(cg_family_write(file, 1, name.c_str(), &id));
+  require(cg_fambc_write(file, 1, id, "FamBC", type, &condition));
+}
+
+/// Turns what the library writes in integers of 8 bytes into integers of 4 bytes.
+void narrowIntegers(int file, double node)
+{
+  int children = 0;
+  require(cgio_number_children(file, node, &children));
+  for (int c = 1; c <= children; ++c)
+  {
+    double id = 0.0;
+    int found = 0;
+    std::array<char, 64> type{};
+    require(cgio_children_ids(file, node, c, 1, &found, &id));
+    require(cgio_get_data_type(file, id, type.data()));
+    if (std::string(type.data()) == "I8")
+    {
+      int dimensions = 0;
+      std::array<cgsize_t, 12> counts{};
+      require(cgio_get_dimensions(file, id, &dimensions, counts.data()));
+      cgsize_t size = 1;
+      for (int d = 0; d < dimensions; ++d)
+      {
+        size *= counts[d];
+      }
+      std::vector<std::int64_t> wide(static_cast<std::size_t>(size));
+      require(cgio_read_all_data_type(file, id, "I8", wide.data()));
+      const std::vector<std::int32_t> narrow(wide.begin(), wide.end());
+      require(cgio_set_dimensions(file, id, "I4", dimensions, counts.data()));
+      require(cgio_write_all_data(file, id, narrow.data()));
+    }
+    narrowIntegers(file, id);
+  }
+}
+
+} // namespace
+
+TEST(MeshFileHabits, BoundariesInEightWays)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  // Faces of zone 1 (5 x 4 x 3 points) and zone 2 (4 x 4 x 3 points).
+  struct Face
+  {
+    int zone;
+    const char* name;
+    BCType type;
+    std::vector<cgsize_t> range;
+  };
+  const std::vector<Face> faces = { { 1, "upper skin", CGNS_ENUMV(BCWallViscous), { 1, 1, 1, 5, 4, 1 } },
+    { 2, "upper skin", CGNS_ENUMV(BCWallViscous), { 1, 1, 1, 4, 4, 1 } },
+    { 1, "mid plane", CGNS_ENUMV(BCSymmetryPlane), { 1, 1, 1, 5, 1, 3 } },
+    { 2, "mid plane", CGNS_ENUMV(BCSymmetryPlane), { 1, 1, 1, 4, 1, 3 } },
+    { 1, "wall of the tunnel", CGNS_ENUMV(BCFarfield), { 1, 1, 3, 5, 4, 3 } } };
+  struct Way
+  {
+    const char* what;
+    bool families, types, ownTypes, padded, narrow, list, linked;
+    int file;
+  };
+  const std::vector<Way> ways = {
+    { "families with types", true, true, false, false, false, false, false, CG_FILE_HDF5 },
+    { "names and types, no families", false, false, true, false, false, false, false, CG_FILE_HDF5 },
+    { "families and both types", true, true, true, false, false, false, false, CG_FILE_HDF5 },
+    { "names with blanks at the end", false, false, true, true, false, false, false, CG_FILE_HDF5 },
+    { "families with blanks at the end, ADF", true, true, false, true, false, false, false, CG_FILE_ADF },
+    { "integers of 4 bytes", true, true, false, false, true, false, false, CG_FILE_HDF5 },
+    { "lists of points", true, true, false, false, false, true, false, CG_FILE_HDF5 },
+    { "zones linked from another file", true, true, false, false, false, false, true, CG_FILE_HDF5 },
+  };
+  std::map<std::string, std::vector<std::array<int, 4>>> first;
+  for (const Way& way : ways)
+  {
+    SCOPED_TRACE(way.what);
+    const std::string fileName = folder / ("way" + std::to_string(&way - ways.data()) + ".cgns");
+    writeChanged(
+      mesh, fileName,
+      [&](int file) {
+        std::set<std::string> written;
+        for (const Face& face : faces)
+        {
+          const std::string name = std::string(face.name) + (way.padded ? "  " : "");
+          if (way.families && written.insert(face.name).second)
+          {
+            family(file, face.name, way.types ? face.type : CGNS_ENUMV(BCTypeNull));
+          }
+          std::vector<cgsize_t> points = face.range;
+          if (way.list)
+          {
+            points.clear();
+            for (cgsize_t k = face.range[2]; k <= face.range[5]; ++k)
+            {
+              for (cgsize_t j = face.range[1]; j <= face.range[4]; ++j)
+              {
+                for (cgsize_t i = face.range[0]; i <= face.range[3]; ++i)
+                {
+                  points.insert(points.end(), { i, j, k });
+                }
+              }
+            }
+          }
+          condition(file, face.zone, way.families ? "BC_" + std::to_string(&face - faces.data()) : name,
+            way.ownTypes ? face.type : CGNS_ENUMV(FamilySpecified), points, way.families ? name : "",
+            way.list ? CGNS_ENUMV(PointList) : CGNS_ENUMV(PointRange));
+        }
+      },
+      way.file);
+    if (way.narrow)
+    {
+      int file = 0;
+      double root = 0.0;
+      require(cgio_open_file(fileName.c_str(), CGIO_MODE_MODIFY, CGIO_FILE_NONE, &file));
+      require(cgio_get_root_id(file, &root));
+      narrowIntegers(file, root);
+      require(cgio_close_file(file));
+    }
+    std::string opened = fileName;
+    if (way.linked)
+    {
+      opened = folder / "links.cgns";
+      int file = 0;
+      int base = 0;
+      require(cg_set_file_type(CG_FILE_HDF5));
+      require(cg_open(opened.c_str(), CG_MODE_WRITE, &file));
+      require(cg_base_write(file, "Base", 3, 3, &base));
+      require(cg_goto(file, 1, "end"));
+      const std::string target = std::filesystem::path(fileName).filename().string();
+      for (const char* node : { "zone 1", "zone 2", "upper skin", "mid plane", "wall of the tunnel" })
+      {
+        require(cg_link_write(node, target.c_str(), (std::string("/Base/") + node).c_str()));
+      }
+      require(cg_close(file));
+    }
+    const Result found = readMesh(opened);
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+    const auto quads = boundaries(found.mesh);
+    first = first.empty() ? quads : first;
+    EXPECT_EQ(quads, first);
+    EXPECT_EQ(found.mesh.boundaryNames, (std::vector<std::string>{ "upper skin", "mid plane", "wall of the tunnel" }));
+    EXPECT_EQ(roles(found.mesh),
+      (std::vector<bsv::BoundaryRole>{
+        bsv::BoundaryRole::Body, bsv::BoundaryRole::Symmetry, bsv::BoundaryRole::Other }));
+    EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+  }
+  EXPECT_EQ(first.size(), 3u);
+  EXPECT_EQ(first["upper skin: BCWallViscous"].size(), 4u * 3 + 3 * 3);
+}
+
+TEST(MeshFileHabits, NamesThatPatternsChooseWinOverTypes)
+{
+  const std::vector<std::string> names = { "wing", "farfield wall", "no type wall", "outer" };
+  const std::vector<std::string> types = { "BCWallViscous", "BCFarfield", "BCTypeUserDefined", "BCFarfield" };
+  const auto selected = [&](const bsv::BoundaryPatterns& patterns) {
+    std::vector<bool> result;
+    for (int tag = 0; tag < 4; ++tag)
+    {
+      result.push_back(bsv::isBodyBoundary(patterns, names, types, tag));
+    }
+    return result;
+  };
+  EXPECT_EQ(selected(bsv::defaultBodyBoundaries()), (std::vector<bool>{ true, false, false, false }));
+  EXPECT_EQ(selected({ "outer" }), (std::vector<bool>{ false, false, false, true }));
+  EXPECT_EQ(selected({ "no type*", "BCFarfield" }), (std::vector<bool>{ false, true, true, true }));
+}
+
+TEST(MeshFileHabits, NumberedConditionsAreNamedByTheirType)
+{
+  TemporaryFolder folder;
+  writeChanged(twoBlocks(), folder / "mesh.cgns", [](int file) {
+    condition(file, 1, "BC_1", CGNS_ENUMV(BCWall), { 1, 1, 1, 5, 4, 1 });
+    condition(file, 1, "C00021", CGNS_ENUMV(BCFarfield), { 1, 1, 3, 5, 4, 3 });
+    condition(file, 2, "dom-7", CGNS_ENUMV(BCWall), { 1, 1, 1, 4, 4, 1 });
+    condition(file, 2, "flap2", CGNS_ENUMV(BCWall), { 1, 1, 3, 4, 4, 3 });
+    // One name for two types.
+    condition(file, 2, "flap 2", CGNS_ENUMV(BCWallInviscid), { 1, 1, 1, 4, 1, 3 });
+    condition(file, 1, "flap 2", CGNS_ENUMV(BCWallViscous), { 1, 1, 1, 5, 1, 3 });
+  });
+  const BlockMesh mesh = readMesh(folder / "mesh.cgns").mesh;
+  EXPECT_EQ(mesh.boundaryNames,
+    (std::vector<std::string>{ "BCWall", "BCFarfield", "flap 2", "flap2", "flap 2 (BCWallInviscid)" }));
+}
+
+TEST(MeshFileHabits, ConditionsThatContradictTheMeshAreLeftOut)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  struct Kind
+  {
+    const char* what;
+    std::function<void(int)> change;
+    /// What the warning must say.
+    std::vector<std::string> words;
+    /// Quadrilaterals that keep the name.
+    std::size_t kept;
+  };
+  const BCType wall = CGNS_ENUMV(BCWall);
+  const auto range = CGNS_ENUMV(PointRange);
+  const std::vector<Kind> kinds = {
+    { "on an interface",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 5, 1, 1, 5, 4, 3 });
+      },
+      { "'skin'", "block 'zone 1'", "i max", "interface" }, 0 },
+    { "partly on an interface of the donor's side",
+      [&](int file) {
+        // All faces of the zone that have i = 1 or k = 1, as a list.
+        std::vector<cgsize_t> points;
+        for (cgsize_t k = 1; k <= 3; ++k)
+        {
+          for (cgsize_t j = 1; j <= 4; ++j)
+          {
+            for (cgsize_t i = 1; i <= 4; ++i)
+            {
+              if (i == 1 || k == 1)
+              {
+                points.insert(points.end(), { i, j, k });
+              }
+            }
+          }
+        }
+        condition(file, 2, "skin", wall, points, "", CGNS_ENUMV(PointList));
+      },
+      { "'skin'", "block 'zone 2'", "i min" }, 9 },
+    { "index -1",
+      [&](int file) {
+        condition(file, 2, "skin", wall, { 1, 1, -1, 4, 4, -1 });
+      },
+      { "'zone 2'", "'skin'", "(1, 1, -1) to (4, 4, -1)" }, 0 },
+    { "beyond the zone",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 6, 4, 1 });
+      },
+      { "'zone 1'", "'skin'", "(6, 4, 1)" }, 0 },
+    { "plane inside the zone",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 3, 1, 1, 3, 4, 3 });
+      },
+      { "'zone 1'", "'skin'", "inside" }, 0 },
+    { "whole zone",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 5, 4, 3 });
+      },
+      { "'zone 1'", "'skin'", "not on a face" }, 0 },
+    { "list with a point of another zone",
+      [&](int file) {
+        condition(file, 2, "skin", wall, { 1, 1, 1, 5, 1, 1, 1, 2, 1 }, "", CGNS_ENUMV(PointList));
+      },
+      { "'zone 2'", "'skin'", "(5, 1, 1)" }, 0 },
+    { "elements",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 9, 1, 1 }, "", CGNS_ENUMV(ElementRange));
+      },
+      { "'zone 1'", "'skin'" }, 0 },
+    { "at edges",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 4, 3, 1 }, "", range, CGNS_ENUMV(EdgeCenter));
+      },
+      { "'skin'", "EdgeCenter" }, 0 },
+    { "where another one is",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 5, 4, 1 });
+        condition(file, 1, "far", CGNS_ENUMV(BCFarfield), { 1, 1, 1, 5, 2, 1 });
+      },
+      { "'far'", "k min", "'skin'" }, 12 },
+    // The same in other words needs no warning.
+    { "at face centres",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 3, 4, 3, 3 }, "", range, CGNS_ENUMV(FaceCenter));
+      },
+      {}, 12 },
+    { "at the cells behind the face",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 2, 4, 3, 2 }, "", range, CGNS_ENUMV(CellCenter));
+      },
+      {}, 12 },
+    { "twice",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 5, 4, 1 }, "skin");
+        condition(file, 1, "again", wall, { 1, 1, 1, 5, 2, 1 }, "skin");
+      },
+      {}, 12 },
+  };
+  for (const Kind& kind : kinds)
+  {
+    SCOPED_TRACE(kind.what);
+    for (const int type : { CG_FILE_ADF, CG_FILE_HDF5 })
+    {
+      const std::string file = folder / (std::to_string(&kind - kinds.data()) + "-" + std::to_string(type) + ".cgns");
+      writeChanged(mesh, file, kind.change, type);
+      const Result found = readMesh(file);
+      EXPECT_EQ(found.warnings.size(), kind.words.empty() ? 0u : 1u);
+      EXPECT_TRUE(kind.words.empty() || mentions(found.warnings, kind.words))
+        << (found.warnings.empty() ? "" : found.warnings[0]);
+      EXPECT_EQ(boundaries(found.mesh)["skin: BCWall"].size(), kind.kept);
+      EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+      // The rest of the program takes it.
+      EXPECT_EQ(bsv::buildBlockComplex(found.mesh).blocks.size(), 2u);
+    }
+  }
+}
+
+TEST(MeshFileHabits, BasesOfSurfacesAreLeftOut)
+{
+  TemporaryFolder folder;
+  writeChanged(twoBlocks(), folder / "mesh.cgns", [](int file) {
+    const cgsize_t flat[6] = { 3, 3, 2, 2, 0, 0 };
+    int base = 0;
+    int zone = 0;
+    require(cg_base_write(file, "skin", 2, 3, &base));
+    require(cg_zone_write(file, base, "patch", flat, CGNS_ENUMV(Structured), &zone));
+  });
+  const Result found = readMesh(folder / "mesh.cgns");
+  EXPECT_EQ(found.mesh.blocks.size(), 2u);
+  EXPECT_TRUE(mentions(found.warnings, { "base 'skin'", "surface" }));
+}
+
+//----------------------------------------------------------------------------------------------------------------------
+// Neutral maps
+
+namespace
+{
+
+std::string replacedAll(std::string text, const std::string& from, const std::string& to)
+{
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+  {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+} // namespace
+
+TEST(MeshFileHabits, NeutralMapsSpellContactsInManyWays)
+{
+  TemporaryFolder folder;
+  MeshCase mesh = meshcases::latticeBlocks(
+    { { { 0, 0, 0 }, { 2, 4, 3 } }, { { 2, 0, 0 }, { 5, 2, 3 } }, { { 2, 2, 0 }, { 4, 4, 3 } } }, meshcases::wavy);
+  meshcases::shuffle(mesh, 3, true);
+  mesh.boundaryNames = { "wall" };
+  meshcases::declareAll(mesh, 3);
+  const std::string plain = neutralMap(mesh);
+  writeFile(folder / "plain.xyz", plot3D(mesh, {}));
+  writeFile(folder / "plain.nmf", plain);
+  const Result expected = readMesh(folder / "plain.xyz");
+  ASSERT_EQ(expected.mesh.interfaces.size(), mesh.interfaces.size());
+  for (const char* spelling : { "'one-to-one     '", "one_to_one", "One To One", "ONETOONE", "OneToOne", "'1-to-1'",
+         "1-to-1", "1 to 1", "1to1", "1_TO_1", "\"One-To-One\"", "one 2 one" })
+  {
+    SCOPED_TRACE(spelling);
+    for (const char* extension : { "nmf", "NMF" })
+    {
+      TemporaryFolder other;
+      writeFile(other / "mesh.xyz", plot3D(mesh, {}));
+      writeFile(other / (std::string("mesh.") + extension), replacedAll(plain, "ONE_TO_ONE", spelling));
+      const Result found = readMesh(other / "mesh.xyz");
+      EXPECT_EQ(boundaries(found.mesh), boundaries(expected.mesh));
+      EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+    }
+  }
+  // Each contact from both sides.
+  MeshCase twice = mesh;
+  for (const bsv::Interface& c : mesh.interfaces)
+  {
+    bsv::Interface back;
+    back.blockA = c.blockB;
+    back.faceA = c.faceB;
+    back.rangeA = c.rangeB();
+    back.blockB = c.blockA;
+    back.faceB = c.faceA;
+    back.originB = c.rangeA.lo;
+    back.orientation = bsv::inverseOrientation(c.orientation);
+    twice.interfaces.push_back(back);
+  }
+  writeFile(folder / "plain.nmf", neutralMap(twice));
+  EXPECT_EQ(readMesh(folder / "plain.xyz").mesh.interfaces.size(), mesh.interfaces.size());
+  // Another word between two sides is never a boundary.
+  for (const char* word : { "interior", "'block interface'", "periodic" })
+  {
+    writeFile(folder / "plain.nmf", replacedAll(plain, "ONE_TO_ONE", word));
+    EXPECT_NE(refusal(folder / "plain.xyz").find("two sides"), std::string::npos);
+  }
+}
+
+TEST(MeshFileHabits, NeutralMapsLeaveOutBoundariesThatDoNotFit)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  writeFile(folder / "mesh.xyz", plot3D(mesh, {}));
+  const std::string contacts = neutralMap(mesh);
+  // On the contact, beyond the face, of no block, on no face.
+  writeFile(folder / "mesh.nmf",
+    contacts + "skin 1 4 1 4 1 3\nskin 1 3 1 9 1 3\nskin 7 3 1 4 1 3\nskin 1 8 1 4 1 3\nviscous_solid 1 1 1 5 1 4\n");
+  const Result found = readMesh(folder / "mesh.xyz");
+  EXPECT_EQ(boundaries(found.mesh)["viscous_solid: BCWallViscous"].size(), 12u);
+  EXPECT_EQ(boundaries(found.mesh).size(), 1u);
+  EXPECT_TRUE(mentions(found.warnings, { "'skin'", "block 'block 1'", "i max", "interface" }));
+  EXPECT_TRUE(mentions(found.warnings, { "line 6", "9 is out of range 1..4", "block 7", "face 8" }))
+    << found.warnings.back();
+}
+
+//----------------------------------------------------------------------------------------------------------------------
+// PLOT3D
+
+namespace
+{
+
+/// A record of integers and reals, in native order between markers of 4 bytes.
+std::string record(const std::vector<std::int32_t>& integers, const std::vector<double>& reals)
+{
+  std::string content;
+  for (const std::int32_t value : integers)
+  {
+    append(content, value, false);
+  }
+  for (const double value : reals)
+  {
+    append(content, value, false);
+  }
+  std::string marker;
+  append(marker, std::int32_t(content.size()), false);
+  return marker + content + marker;
+}
+
+std::string textOf(const std::vector<std::int32_t>& integers, const std::vector<double>& reals)
+{
+  std::string text;
+  for (const std::int32_t value : integers)
+  {
+    text += std::to_string(value) + " ";
+  }
+  text += "\n";
+  for (const double value : reals)
+  {
+    text += std::to_string(value) + "\n";
+  }
+  return text;
+}
+
+std::vector<double> someValues(int count)
+{
+  std::vector<double> values;
+  for (int v = 0; v < count; ++v)
+  {
+    values.push_back(0.25 + v % 17);
+  }
+  return values;
+}
+
+} // namespace
+
+TEST(MeshFileHabits, OtherPlot3DFilesAreNamed)
+{
+  TemporaryFolder folder;
+  struct Kind
+  {
+    const char* word;
+    /// One record after the number of blocks for the counts of two blocks, then those of each block.
+    std::vector<std::int32_t> counts;
+    std::vector<std::vector<int>> records;
+  };
+  const std::vector<Kind> kinds = {
+    { "two-dimensional grid", { 5, 4, 3, 6 }, { { 40 }, { 36 } } },
+    { "solution file", { 5, 4, 3, 2, 3, 4 }, { { 4, 300 }, { 4, 120 } } },
+    { "function file", { 5, 4, 3, 2, 2, 3, 4, 2 }, { { 120 }, { 48 } } },
+  };
+  for (const Kind& kind : kinds)
+  {
+    SCOPED_TRACE(kind.word);
+    std::string fortran = record({ 2 }, {}) + record(kind.counts, {});
+    std::vector<std::int32_t> header = kind.counts;
+    header.insert(header.begin(), 2);
+    std::vector<double> all;
+    for (const std::vector<int>& block : kind.records)
+    {
+      for (const int count : block)
+      {
+        const std::vector<double> values = someValues(count);
+        fortran += record({}, values);
+        all.insert(all.end(), values.begin(), values.end());
+      }
+    }
+    writeFile(folder / "fortran.x", fortran);
+    writeFile(folder / "text.x", textOf(header, all));
+    std::string raw;
+    for (const std::int32_t value : header)
+    {
+      append(raw, value, false);
+    }
+    for (const double value : all)
+    {
+      append(raw, value, false);
+    }
+    writeFile(folder / "raw.x", raw);
+    for (const char* name : { "fortran.x", "text.x", "raw.x" })
+    {
+      EXPECT_NE(refusal(folder / name).find(kind.word), std::string::npos) << name;
+    }
+  }
+}
+
+TEST(MeshFileHabits, PlanesFormatIsNamed)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = meshcases::cutBox({ 4, 3, 5 }, {}, meshcases::wavy);
+  const MeshCase::Block& block = mesh.blocks[0];
+  std::vector<double> values;
+  std::string fortran = record({ 1 }, {}) + record({ 5, 4, 6 }, {});
+  for (int k = 0; k < 6; ++k)
+  {
+    std::vector<double> plane;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      for (int j = 0; j < 4; ++j)
+      {
+        for (int i = 0; i < 5; ++i)
+        {
+          plane.push_back(block.at({ i, j, k })[axis]);
+        }
+      }
+    }
+    fortran += record({}, plane);
+    values.insert(values.end(), plane.begin(), plane.end());
+  }
+  writeFile(folder / "fortran.x", fortran);
+  writeFile(folder / "text.x", textOf({ 1, 5, 4, 6 }, values));
+  for (const char* name : { "fortran.x", "text.x" })
+  {
+    EXPECT_NE(refusal(folder / name).find("planes format"), std::string::npos) << name;
+  }
+}
+
+TEST(MeshFileHabits, EncodingsAndPackedFilesAreNamed)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  const std::string text = plot3D(mesh, { true });
+  writeFile(folder / "plain.x", text);
+  writeFile(folder / "mark.x", "\xef\xbb\xbf" + text);
+  EXPECT_EQ(readMesh(folder / "mark.x").mesh.blocks[1].points(2, 1, 1),
+    readMesh(folder / "plain.x").mesh.blocks[1].points(2, 1, 1));
+  EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile((folder / "mark.x").c_str()), 1);
+  std::string wide = "\xff\xfe";
+  for (const char c : text)
+  {
+    wide += c;
+    wide += '\0';
+  }
+  writeFile(folder / "wide.x", wide);
+  EXPECT_NE(refusal(folder / "wide.x").find("UTF-16"), std::string::npos);
+  writeFile(folder / "packed.x", "\x1f\x8b\x08 and so on");
+  EXPECT_NE(refusal(folder / "packed.x").find("gzip"), std::string::npos);
+}
+
+TEST(MeshFileHabits, IntegersOfEightBytes)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  for (const int marker : { 0, 4, 8 })
+  {
+    for (const bool bigEndian : { false, true })
+    {
+      std::string file;
+      std::string content;
+      const auto end = [&] {
+        std::string mark;
+        marker == 4 ? append(mark, std::int32_t(content.size()), bigEndian)
+                    : append(mark, std::int64_t(content.size()), bigEndian);
+        mark = marker == 0 ? "" : mark;
+        file += mark + content + mark;
+        content.clear();
+      };
+      append(content, std::int64_t(mesh.blocks.size()), bigEndian);
+      end();
+      for (const MeshCase::Block& block : mesh.blocks)
+      {
+        for (const int count : block.counts)
+        {
+          append(content, std::int64_t(count), bigEndian);
+        }
+      }
+      end();
+      for (const MeshCase::Block& block : mesh.blocks)
+      {
+        for (int axis = 0; axis < 3; ++axis)
+        {
+          for (const bsv::Vec3& x : block.points)
+          {
+            append(content, x[axis], bigEndian);
+          }
+        }
+        for (std::size_t p = 0; p < block.points.size(); ++p)
+        {
+          append(content, std::int64_t(1), bigEndian);
+        }
+        end();
+      }
+      writeFile(folder / "mesh.x", file);
+      const Result found = readMesh(folder / "mesh.x");
+      EXPECT_TRUE(found.warnings.empty());
+      ASSERT_EQ(found.mesh.blocks.size(), mesh.blocks.size());
+      EXPECT_EQ(found.mesh.blocks[1].points(3, 2, 1), mesh.blocks[1].at({ 3, 2, 1 }));
+    }
+  }
+}
+
+TEST(MeshFileHabits, BlankedCellsAreCountedAndHidden)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  Plot3DKind kind;
+  kind.iblank = true;
+  writeFile(folder / "mesh.x", plot3D(mesh, kind));
+  int blanked = 0;
+  int interpolated = 0;
+  for (const MeshCase::Block& block : mesh.blocks)
+  {
+    for (std::size_t p = 0; p < block.points.size(); ++p)
+    {
+      blanked += iblankValue(p) == 0;
+      interpolated += iblankValue(p) < 0;
+    }
+  }
+  const Result found = readMesh(folder / "mesh.x");
+  EXPECT_TRUE(mentions(found.warnings, { std::to_string(blanked) + " points", std::to_string(interpolated) + " as" }));
+  for (const auto& grid : found.grids)
+  {
+    vtkUnsignedCharArray* ghosts = grid->GetCellGhostArray();
+    ASSERT_NE(ghosts, nullptr);
+    auto* iblank = grid->GetPointData()->GetArray("IBlank");
+    for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
+    {
+      vtkNew<vtkIdList> points;
+      grid->GetCellPoints(cell, points);
+      bool hidden = false;
+      for (vtkIdType p = 0; p < points->GetNumberOfIds(); ++p)
+      {
+        hidden = hidden || iblank->GetComponent(points->GetId(p), 0) == 0.0;
+      }
+      ASSERT_EQ((ghosts->GetValue(cell) & vtkDataSetAttributes::HIDDENCELL) != 0, hidden);
+    }
+  }
+}
+
+TEST(MeshFileHabits, WhatIsNoFileIsRefusedAtOnce)
+{
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "folder.x");
+  EXPECT_NE(refusal(folder / "folder.x").find("not a regular file"), std::string::npos);
+  writeFile(folder / "sparse.x", "12");
+  std::filesystem::resize_file(folder / "sparse.x", std::uintmax_t(5) << 30);
+  EXPECT_FALSE(refusal(folder / "sparse.x").empty());
+  EXPECT_FALSE(refusal("/dev/zero").empty());
+  for (const char* name : { "folder.x", "sparse.x" })
+  {
+    EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile((folder / name).c_str()), 0);
+  }
+}
