@@ -58,7 +58,8 @@ int vtkHexMeshToBlocks::RequestData(
 
   return bsv::execute(this, output, [&] {
     bsv::HexMeshOptions options;
-    options.boundaryArray = this->BoundaryArray;
+    // What ParaView's list of arrays has for no array.
+    options.boundaryArray = this->BoundaryArray == "None" ? std::string() : this->BoundaryArray;
     options.complex.featureAngle = this->FeatureAngle;
     options.complex.mergeBlocks = this->MergeBlocks;
     options.complex.maximumBlocks = this->MaximumNumberOfBlocks;

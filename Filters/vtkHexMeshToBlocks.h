@@ -48,7 +48,8 @@ public:
 
   ///@{
   /**
-   * Cell array that names quadrilaterals of the input: its strings, or its name and its number. Default empty.
+   * Cell array that names quadrilaterals of the input: its strings, or its name and its number. Default empty;
+   * "None" is the same.
    */
   vtkSetMacro(BoundaryArray, std::string);
   vtkGetMacro(BoundaryArray, std::string);

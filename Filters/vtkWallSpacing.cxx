@@ -2,6 +2,7 @@
 #include "vtkWallSpacing.h"
 
 #include "Complex/BlockComplex.h"
+#include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
@@ -257,6 +258,7 @@ int vtkWallSpacing::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
   return 1;
 }
 
@@ -354,6 +356,7 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
     bsv::setBlocks(output, grids, names, "HexBlockMesh");
     output->GetFieldData()->ShallowCopy(input->GetFieldData());
     bsv::setConnectivity(output->GetFieldData(), mesh);
+    bsv::tagBlocks(output, mesh, "wall spacing");
     setSurface(surface, complex, wall);
     const bsv::ReferenceState state = bsv::referenceState(options.flow);
     addReferenceState(output->GetFieldData(), state);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkWingFuselageSource.h"
 
+#include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
 #include "Data/NURBSSurfaceData.h"
 #include "Execution/PieceRequest.h"
@@ -23,6 +24,24 @@ vtkStandardNewMacro(vtkWingFuselageSource);
 
 namespace
 {
+
+/// The mesh without its points.
+bsv::BlockMesh blockMesh(const bsv::WingFuselageLayout& layout)
+{
+  bsv::BlockMesh mesh;
+  for (std::size_t b = 0; b < layout.counts.size(); ++b)
+  {
+    bsv::MeshBlock block;
+    block.points = bsv::GridView::elsewhere(layout.counts[b]);
+    block.name = layout.names[b];
+    mesh.blocks.push_back(block);
+  }
+  mesh.interfaces = layout.interfaces;
+  mesh.boundaries = layout.boundaries;
+  mesh.boundaryNames = layout.boundaryNames;
+  mesh.creases = layout.creases;
+  return mesh;
+}
 
 /// Every patch as a grid of triangles.
 vtkSmartPointer<vtkPolyData> tessellation(const std::vector<bsv::BodyPatch>& body, const bsv::Execution& run)
@@ -188,6 +207,7 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     bsv::setInterfaces(mesh->GetFieldData(), layout.interfaces, layout.counts);
     bsv::setBoundaries(mesh->GetFieldData(), layout.boundaries, layout.boundaryNames, layout.counts);
     bsv::setCreases(mesh->GetFieldData(), layout.creases);
+    bsv::tagBlocks(mesh, blockMesh(layout), "wing and fuselage");
     bsv::setBody(body, patches, std::vector<std::string>(patches.size()), tessellation(patches, run));
     this->NumberOfMeshPoints = layout.points();
     this->MinimumScaledJacobian = minimum;

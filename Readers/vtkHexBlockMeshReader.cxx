@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkHexBlockMeshReader.h"
 
+#include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
 #include "Execution/PieceRequest.h"
 #include "Formats/CGNSZones.h"
@@ -240,6 +241,7 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     }
     bsv::setBlocks(result, grids, names, "mesh");
     bsv::setConnectivity(result->GetFieldData(), mesh);
+    bsv::tagBlocks(result, mesh, this->FileName);
     output->ShallowCopy(result);
     this->FileLayout = layoutName;
     for (const std::string& warning : warnings)

@@ -7,6 +7,7 @@
 #include "Quadflow/QuadflowFormat.h"
 
 #include "vtkErrorCode.h"
+#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
@@ -14,6 +15,7 @@
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkSmartPointer.h"
 #include "vtkStructuredGrid.h"
+#include "vtkUnsignedCharArray.h"
 #include "vtksys/SystemTools.hxx"
 
 #include <map>
@@ -76,6 +78,14 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
       if (grids[b])
       {
         bsv::setDegreeAndKnots(grids[b], all.blocks[b].volume);
+        // Which edges are creases or planar the writer cannot find from the points.
+        vtkNew<vtkUnsignedCharArray> classes;
+        classes->SetName("EdgeClasses");
+        for (const int edge : all.blocks[b].edges)
+        {
+          classes->InsertNextValue(static_cast<unsigned char>(all.edges[edge].kind));
+        }
+        grids[b]->GetFieldData()->AddArray(classes);
       }
       names.push_back(all.blocks[b].name.empty() ? "block " + std::to_string(b) : all.blocks[b].name);
     }

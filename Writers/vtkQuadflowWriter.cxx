@@ -74,6 +74,7 @@ void vtkQuadflowWriter::WriteData()
     input.volumes = std::move(blocks.volumes);
     input.names = std::move(blocks.names);
     input.rules = std::move(blocks.rules);
+    input.edgeClasses = std::move(blocks.edgeClasses);
     input.hasInterfaces = blocks.hasInterfaces;
     input.interfaces = std::move(blocks.interfaces);
     input.boundaries = std::move(blocks.boundaries);

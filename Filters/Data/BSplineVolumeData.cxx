@@ -95,7 +95,7 @@ int BSplineVolumeBlocks::firstRational() const
 BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks)
 {
   BSplineVolumeBlocks result;
-  BlockMesh mesh = blockMesh(input, result.grids, ranks);
+  BlockMesh mesh = structuredBlocks(input, result.grids, ranks);
   const std::size_t count = mesh.blocks.size();
   for (const MeshBlock& block : mesh.blocks)
   {
@@ -110,6 +110,7 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks
   result.rational.resize(count, 0);
   result.weights.resize(count);
   result.rules.resize(count, nullptr);
+  result.edgeClasses.resize(count, nullptr);
 
   // Block, degree and whether it is rational, then the knots.
   std::vector<double> mine;
@@ -142,6 +143,8 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks
       volume.points = doublePoints(grid);
       result.rational[b] = volume.weights ? 1 : 0;
       result.rules[b] = rulesOf(grid, label);
+      auto* classes = vtkUnsignedCharArray::SafeDownCast(grid->GetFieldData()->GetAbstractArray("EdgeClasses"));
+      result.edgeClasses[b] = classes && classes->GetNumberOfValues() == 12 ? classes->GetPointer(0) : nullptr;
 
       mine.push_back(static_cast<double>(b));
       mine.insert(mine.end(), degree.begin(), degree.end());

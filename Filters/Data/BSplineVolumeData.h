@@ -53,6 +53,9 @@ struct BSplineVolumeBlocks
   /// One code per control point, or null; null for blocks on other ranks.
   std::vector<const unsigned char*> rules;
 
+  /// Classes of the twelve edges of a block (QuadflowEdgeClass), or null: field array `EdgeClasses` (unsigned char).
+  std::vector<const unsigned char*> edgeClasses;
+
   /// Whether the input of any rank has the array `Interfaces`. Ranges count control points.
   bool hasInterfaces = false;
   std::vector<Interface> interfaces;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/HexBlockData.h"
 
+#include "Data/BlockTags.h"
 #include "Data/HexMeshData.h"
 
 #include <vtkAOSDataArrayTemplate.h>
@@ -752,6 +753,11 @@ BlockMesh structuredBlocks(
     }
   });
 
+  if (!arraysFitBlocks(input ? input->GetFieldData() : nullptr, mesh, grids, ranks))
+  {
+    takeTags(mesh, grids, ranks);
+    return mesh;
+  }
   const vtkSmartPointer<vtkFieldData> fields = sharedFields(input ? input->GetFieldData() : nullptr, ranks);
   readInterfaces(fields, blockOfLeaf, mesh);
   readBoundaries(fields, blockOfLeaf, mesh);
@@ -785,6 +791,7 @@ vtkSmartPointer<vtkDoubleArray> doublePointArray(
 
 void setInterfaces(vtkFieldData* fields, const std::vector<Interface>& interfaces, const std::vector<Ijk>& counts)
 {
+  removeMeshKeys(fields);
   setIntArray<Interface>(fields, "Interfaces", 12, interfaces, [&](const Interface& contact) {
     const bool whole = contact.rangeA == wholeFace(counts[contact.blockA], contact.faceA) &&
       contact.rangeB() == wholeFace(counts[contact.blockB], contact.faceB);

@@ -15,6 +15,9 @@
 /// - `BoundaryTypes` (string): what tag 0, 1, .. is, a type of CGNS such as BCWallViscous; one per name
 /// - `CreaseEdges` (int, 7): block, i, j, k of the first and i, j, k of the last mesh point of a run along a grid line
 ///
+/// Blocks bring the same with them (BlockTags.h), which is taken where these arrays do not count the blocks as they
+/// are.
+///
 /// Faces, face axes and orientation codes are those of BlockTopology.h, ranges are mesh point indices from 0, both
 /// ends included. The point array `CreaseSharpness` (1 component) becomes MeshBlock::creaseSharpness.
 ///

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/HexMeshData.h"
 
+#include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/Ranks.h"
@@ -149,6 +150,7 @@ public:
     if (!surfaces)
     {
       this->addStructuredNames(tree);
+      this->addFormerNames(tree);
     }
   }
 
@@ -160,6 +162,10 @@ public:
     {
       tags[name] = 0;
     }
+    for (const std::string& name : this->FormerNames)
+    {
+      tags[name] = 0;
+    }
     for (auto& tag : tags)
     {
       tag.second = static_cast<int>(this->Mesh.boundaryNames.size());
@@ -168,6 +174,15 @@ public:
     for (std::size_t n = 0; n < this->Mesh.quads.size(); ++n)
     {
       this->Mesh.quads[n].tag = tags[this->QuadNames[n]];
+    }
+    for (const std::string& name : this->FormerNames)
+    {
+      this->FormerTags.push_back(tags[name]);
+    }
+    for (const auto& type : this->TypeOf)
+    {
+      this->Mesh.boundaryTypes.resize(this->Mesh.boundaryNames.size(), "BCTypeUserDefined");
+      this->Mesh.boundaryTypes[tags[type.first]] = type.second;
     }
     if (!this->Options.boundaryArray.empty() && this->Quads > 0 && this->QuadNames.empty())
     {
@@ -186,7 +201,11 @@ public:
       }
     };
     count(this->HighOrder, " hexahedra are of higher order: only their corners are used.");
-    count(this->Hidden, " hidden or duplicate cells (vtkGhostType) are left out.");
+    if (this->Hidden > 0)
+    {
+      this->warnings.push_back(
+        std::to_string(this->Hidden) + " hidden or duplicate cells (vtkGhostType) are left out.");
+    }
     count(this->Lines, " vertices and lines are left out.");
     count(this->Triangles, " triangles and polygons are left out: no boundary of hexahedra has them.");
   }
@@ -216,6 +235,36 @@ public:
       }
     }
     this->Mesh.points = GridView(this->Points.data(), counts);
+  }
+
+  /// Lets faces of grids that were blocks have the names that they had there.
+  void nameFormerFaces()
+  {
+    if (this->FormerNames.empty())
+    {
+      return;
+    }
+    this->Mesh.tagOf = [this](const std::array<HexId, 4>& points) {
+      std::array<Index, 4> ids{};
+      const HexLeaf& leaf = this->leafOf(points[0], &HexLeaf::firstPoint);
+      const auto former = this->Former.find(leaf.data);
+      if (former == this->Former.end())
+      {
+        return -1;
+      }
+      vtkDataArray* numbers = leaf.data->GetPointData()->GetArray("MeshPointIds");
+      for (int c = 0; c < 4; ++c)
+      {
+        ids[c] = static_cast<Index>(numbers->GetTuple1(static_cast<vtkIdType>(points[c] - leaf.firstPoint)));
+      }
+      const FormerBoundaries::Name* name = former->second.find(ids);
+      if (!name)
+      {
+        return -1;
+      }
+      const auto found = std::lower_bound(this->FormerNames.begin(), this->FormerNames.end(), name->name);
+      return this->FormerTags[found - this->FormerNames.begin()];
+    };
   }
 
   const std::vector<HexLeaf>& leaves() const { return this->Leaves; }
@@ -415,15 +464,63 @@ private:
     return list.empty() ? "none" : list;
   }
 
-  /// Makes quadrilaterals of the named boundaries of structured grids.
+  /// Names of blocks that became unstructured.
+  void addFormerNames(vtkDataObject* tree)
+  {
+    for (const HexLeaf& leaf : this->Leaves)
+    {
+      if (!leaf.data->IsA("vtkUnstructuredGrid"))
+      {
+        continue;
+      }
+      FormerBoundaries former(tree->GetFieldData(), leaf.data);
+      for (const FormerBoundaries::Name& name : former.names())
+      {
+        this->FormerNames.push_back(name.name);
+        if (!name.type.empty())
+        {
+          this->TypeOf[name.name] = name.type;
+        }
+      }
+      if (!former.empty())
+      {
+        this->Former.emplace(leaf.data, std::move(former));
+      }
+    }
+    std::sort(this->FormerNames.begin(), this->FormerNames.end());
+    this->FormerNames.erase(std::unique(this->FormerNames.begin(), this->FormerNames.end()), this->FormerNames.end());
+  }
+
+  /// Makes quadrilaterals of the named boundaries of structured grids. Hexahedra and structured grids may be mixed.
   void addStructuredNames(vtkDataObject* tree)
   {
-    if (!tree->GetFieldData()->HasArray("Boundaries"))
+    vtkNew<vtkPartitionedDataSetCollection> structured;
+    unsigned int count = 0;
+    for (const HexLeaf& leaf : this->Leaves)
+    {
+      if (leaf.data->IsA("vtkStructuredGrid"))
+      {
+        structured->SetPartition(count++, 0, leaf.data);
+      }
+    }
+    if (count == 0)
     {
       return;
     }
+    // The arrays of the tree count its leaves; of a part of them the blocks' own are asked.
+    const bool all = count == namedLeaves(tree).size();
+    if (all)
+    {
+      structured->GetFieldData()->ShallowCopy(tree->GetFieldData());
+    }
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-    const BlockMesh mesh = structuredBlocks(tree, grids);
+    const BlockMesh mesh = structuredBlocks(structured, grids);
+    this->notes.insert(this->notes.end(), mesh.notes.begin(), mesh.notes.end());
+    this->warnings.insert(this->warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
+    for (std::size_t n = 0; n < mesh.boundaryTypes.size(); ++n)
+    {
+      this->TypeOf[mesh.boundaryNames[n]] = mesh.boundaryTypes[n];
+    }
     std::map<vtkDataSet*, const HexLeaf*> leafOf;
     for (const HexLeaf& leaf : this->Leaves)
     {
@@ -460,6 +557,11 @@ private:
   std::vector<HexLeaf> Leaves;
   std::vector<double> Points;
   std::vector<std::string> QuadNames;
+  std::map<std::string, std::string> TypeOf;
+  std::map<vtkDataSet*, FormerBoundaries> Former;
+  /// Ascending, and their tags.
+  std::vector<std::string> FormerNames;
+  std::vector<int> FormerTags;
   std::vector<Index> CellNumbers;
   bool Numbered = false;
   vtkAbstractArray* BoundaryValues = nullptr;
@@ -564,7 +666,7 @@ std::vector<std::string> commonArrays(
         other->GetNumberOfComponents() == array->GetNumberOfComponents();
     });
     if (everywhere && !name.empty() && name != "OriginalPointIds" && name != "OriginalCellIds" &&
-      name != vtkDataSetAttributes::GhostArrayName())
+      name != "MeshPointIds" && name != vtkDataSetAttributes::GhostArrayName())
     {
       names.push_back(name);
     }
@@ -599,6 +701,25 @@ void copyArrays(vtkDataSetAttributes* to, vtkIdTypeArray* ids, const std::vector
     }
     to->AddArray(array);
   }
+}
+
+/// The blocks made, without their points.
+BlockMesh outputMesh(const BaseComplex& complex, const std::vector<Ijk>& counts, const std::vector<std::string>& types,
+  const std::vector<std::string>& names)
+{
+  BlockMesh mesh;
+  for (std::size_t b = 0; b < counts.size(); ++b)
+  {
+    MeshBlock block;
+    block.points = GridView::elsewhere(counts[b]);
+    block.name = names[b];
+    mesh.blocks.push_back(block);
+  }
+  mesh.interfaces = complex.interfaces;
+  mesh.boundaries = complex.boundaries;
+  mesh.boundaryNames = complex.boundaryNames;
+  mesh.boundaryTypes = types;
+  return mesh;
 }
 
 vtkSmartPointer<vtkIdTypeArray> idArray(const char* name, Index size)
@@ -661,6 +782,10 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
   }
   ranks.together([&] {
     collector.finish();
+    if (!several)
+    {
+      collector.nameFormerFaces();
+    }
     output->Initialize();
     if (mesh.cellCount() == 0)
     {
@@ -713,7 +838,8 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
     }
     setBlocks(output, grids, names, "Blocks");
     setInterfaces(output->GetFieldData(), complex.interfaces, counts);
-    setBoundaries(output->GetFieldData(), complex.boundaries, complex.boundaryNames, counts);
+    setBoundaries(output->GetFieldData(), complex.boundaries, complex.boundaryNames, counts, mesh.boundaryTypes);
+    tagBlocks(output, outputMesh(complex, counts, mesh.boundaryTypes, names), "hexahedra");
     for (const Ijk& n : counts)
     {
       report.cells += Index(n[0] - 1) * (n[1] - 1) * (n[2] - 1);

@@ -403,7 +403,7 @@ private:
   /// A face of a cell as seen from any numbering.
   struct FaceKey
   {
-    std::array<Vec3, 4> points;
+    std::array<Vec3, 4> points{ Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero() };
 
     int compare(const FaceKey& other) const
     {

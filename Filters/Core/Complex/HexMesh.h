@@ -35,6 +35,11 @@ struct HexMesh
   /// Their points may be those of the cells, or others at the same places.
   std::vector<NamedQuad> quads;
   std::vector<std::string> boundaryNames;
+  /// Empty, or one per name (BlockMesh::boundaryTypes).
+  std::vector<std::string> boundaryTypes;
+  /// Index into boundaryNames for a face on the boundary with these points, as the cells had them before any were
+  /// merged, or -1. May be empty. Quadrilaterals come first.
+  std::function<int(const std::array<HexId, 4>&)> tagOf;
   /// What messages call a cell.
   std::function<std::string(Index)> cellName = [](Index cell) { return "cell " + std::to_string(cell); };
 

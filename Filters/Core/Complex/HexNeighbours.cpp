@@ -227,11 +227,47 @@ private:
     }
     this->Run.report(0.85);
     this->takeNames(groups);
+    const std::vector<int> former = this->formerTags(open);
     if (this->Options.mergePoints)
     {
       this->join(open, groups);
+    }
+    this->takeTags(open, former);
+    if (this->Options.mergePoints)
+    {
       this->refuseCoveredFaces(open);
     }
+  }
+
+  std::vector<int> formerTags(const std::vector<HexId>& open) const
+  {
+    std::vector<int> tags;
+    for (HexId face : open)
+    {
+      if (this->Mesh.tagOf)
+      {
+        tags.push_back(this->Mesh.tagOf(this->corners(face)));
+      }
+    }
+    return tags;
+  }
+
+  /// Names those faces by HexMesh::tagOf that are still on the boundary and have no name.
+  void takeTags(const std::vector<HexId>& open, const std::vector<int>& former)
+  {
+    std::vector<std::pair<HexId, int>>& tags = this->Result.tags;
+    const std::size_t named = tags.size();
+    for (std::size_t n = 0; n < former.size(); ++n)
+    {
+      const bool free = this->Result.next[open[n]] == NoHexId;
+      const auto end = tags.begin() + static_cast<std::ptrdiff_t>(named);
+      const auto known = std::lower_bound(tags.begin(), end, std::make_pair(open[n], -1));
+      if (former[n] >= 0 && free && (known == end || known->first != open[n]))
+      {
+        tags.push_back({ open[n], former[n] });
+      }
+    }
+    std::sort(tags.begin(), tags.end());
   }
 
   /// Gives all points of open faces and of quadrilaterals a place, and equal places one class.

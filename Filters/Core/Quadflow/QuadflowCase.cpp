@@ -279,7 +279,9 @@ std::vector<Interface> findInterfaces(const std::vector<BSplineVolume>& volumes,
   return interfaces;
 }
 
-QuadflowEdgeClass edgeClass(const SharedEntities::Edge& edge, const BSplineVolume& volume, const unsigned char* rules)
+/// @param given classes of the block's edges, or null
+QuadflowEdgeClass edgeClass(
+  const SharedEntities::Edge& edge, const BSplineVolume& volume, const unsigned char* rules, const unsigned char* given)
 {
   const bool extraordinary = !edge.boundary && edge.uses != 4;
   if (extraordinary)
@@ -299,6 +301,12 @@ QuadflowEdgeClass edgeClass(const SharedEntities::Edge& edge, const BSplineVolum
     planar = planar || rule == ControlPointRule::PlanarSide;
     other = other || (rule != ControlPointRule::PlanarSide && rule != ControlPointRule::Corner);
   }
+  if (!rules && given)
+  {
+    const auto kind = static_cast<QuadflowEdgeClass>(given[edge.edge]);
+    crease = kind == QuadflowEdgeClass::Crease;
+    planar = kind == QuadflowEdgeClass::Planar;
+  }
   return edge.boundary && crease ? QuadflowEdgeClass::Crease
     : planar && !other           ? QuadflowEdgeClass::Planar
     : edge.boundary              ? QuadflowEdgeClass::Boundary
@@ -315,7 +323,8 @@ std::vector<QuadflowEdgeClass> edgeClasses(
     const int block = edges[e].block;
     if (input.volumes[block].rank == ranks.rank())
     {
-      result[e] = edgeClass(edges[e], input.volumes[block], input.rules.empty() ? nullptr : input.rules[block]);
+      result[e] = edgeClass(edges[e], input.volumes[block], input.rules.empty() ? nullptr : input.rules[block],
+        input.edgeClasses.empty() ? nullptr : input.edgeClasses[block]);
     }
   }
   ranks.share(result, [&](Index e) { return input.volumes[edges[e].block].rank; });

@@ -109,6 +109,9 @@ struct QuadflowInput
   /// ControlPointRule per control point of every block, or null, also for blocks of other ranks: tells creases and
   /// planar sides.
   std::vector<const unsigned char*> rules;
+  /// Per block the classes of its twelve edges, or null: where the rules do not tell creases and planar sides. May be
+  /// empty.
+  std::vector<const unsigned char*> edgeClasses;
   /// If false, faces with equal control points (bit for bit) are interfaces.
   bool hasInterfaces = false;
   std::vector<Interface> interfaces;
