@@ -226,7 +226,7 @@ private:
       this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type) + "; only structured zones can be read");
     }
     GridBlock block;
-    block.name = name.data();
+    block.name = this->blockName(name.data());
     for (int d = 0; d < 3; ++d)
     {
       if (size[d] < 2 || size[d] > std::numeric_limits<int>::max())
@@ -240,6 +240,29 @@ private:
     this->Mesh.blocks.push_back(meshBlock(this->Zones.blocks.back()));
     this->BlockOfName.emplace(name.data(), static_cast<int>(this->Places.size()));
     this->Places.push_back({ this->Base, this->Zone, this->Where });
+  }
+
+  /// The descriptor `BlockName`, by which our writer keeps names that zones cannot have, or else the zone's name.
+  std::string blockName(const std::string& zone) const
+  {
+    int descriptors = 0;
+    if (cg_goto(this->File, this->Base, "Zone_t", this->Zone, "end") != CG_OK || cg_ndescriptors(&descriptors) != CG_OK)
+    {
+      return zone;
+    }
+    for (int d = 1; d <= descriptors; ++d)
+    {
+      Name name{};
+      char* text = nullptr;
+      if (cg_descriptor_read(d, name.data(), &text) == CG_OK && std::string(name.data()) == "BlockName" && text)
+      {
+        const std::string found(text);
+        cg_free(text);
+        return found;
+      }
+      cg_free(text);
+    }
+    return zone;
   }
 
   /// Of the blocks that belong to the piece.

@@ -6,7 +6,9 @@
 #include <cstring>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 namespace bsv
@@ -90,7 +92,6 @@ AtomicFile::AtomicFile(const std::string& path, const Ranks& ranks)
 void AtomicFile::create()
 {
   const std::string path = this->Target;
-  mode_t mode = 0;
   if (char* resolved = ::realpath(path.c_str(), nullptr))
   {
     this->Target = resolved;
@@ -104,7 +105,7 @@ void AtomicFile::create()
     {
       throw Error("Cannot write '" + path + "': it is not a regular file");
     }
-    mode = status.st_mode & 07777;
+    this->Mode = status.st_mode & 07777;
   }
   for (int attempt = 0; this->Descriptor < 0; ++attempt)
   {
@@ -119,11 +120,45 @@ void AtomicFile::create()
       this->fail("create");
     }
   }
-  if (mode != 0)
+  this->keepPermissions();
+}
+
+void AtomicFile::keepPermissions()
+{
+  if (this->Mode != 0)
   {
     // Some file systems have no permissions; the file is as good without.
-    (void)!::fchmod(this->Descriptor, mode);
+    (void)!::fchmod(this->Descriptor, static_cast<mode_t>(this->Mode));
   }
+}
+
+void AtomicFile::requireRoom(double bytes) const
+{
+  struct rlimit limit;
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+    bytes > static_cast<double>(limit.rlim_cur))
+  {
+    errno = EFBIG;
+    this->fail("write");
+  }
+  struct statvfs system;
+  if (::fstatvfs(this->Descriptor, &system) == 0 &&
+    bytes > static_cast<double>(system.f_bavail) * static_cast<double>(system.f_frsize))
+  {
+    errno = ENOSPC;
+    this->fail("write");
+  }
+}
+
+void AtomicFile::takeOver()
+{
+  ::close(this->Descriptor);
+  this->Descriptor = ::open(this->Temporary.c_str(), O_WRONLY | O_CLOEXEC);
+  if (this->Descriptor < 0)
+  {
+    this->fail("find what was written for");
+  }
+  this->keepPermissions();
 }
 
 AtomicFile::~AtomicFile()

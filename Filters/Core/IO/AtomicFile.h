@@ -85,10 +85,23 @@ public:
   explicit AtomicFile(const std::string& path, const Ranks& ranks = *aloneRank());
   ~AtomicFile() override;
 
+  /// The file that will appear, with symbolic links followed.
+  const std::string& target() const { return this->Target; }
+
   /// Goes on at `offset` characters from the start of the file.
   void seek(Index offset);
   /// Where the next character goes.
   Index position();
+
+  /// @name For libraries that write files themselves, on rank 0 only
+  ///@{
+  /// The path to write to, in place of writing here. Whether the library replaces the file there does not matter.
+  const std::string& temporaryPath() const { return this->Temporary; }
+  /// @throws FileError if there is no room for so many bytes: some libraries do not survive a full disk.
+  void requireRoom(double bytes) const;
+  /// The library has closed its file: what it wrote is now the content. @throws Error
+  void takeOver();
+  ///@}
 
   /// Everything written here is on the disk. @throws Error, for example for a full disk.
   void finish();
@@ -100,11 +113,14 @@ protected:
 
 private:
   void create();
+  void keepPermissions();
   void discard();
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string Target;
   std::string Temporary;
+  /// Permissions of the file that is replaced, or 0.
+  unsigned int Mode = 0;
   bool Owner = true;
   int Descriptor = -1;
 };

@@ -25,6 +25,12 @@ public:
     this->File.write(text);
     return *this;
   }
+  TextOutput& operator<<(Index value)
+  {
+    char* to = this->File.room(24);
+    this->File.advance(std::to_chars(to, to + 24, value).ptr);
+    return *this;
+  }
   TextOutput& operator<<(int value)
   {
     char* to = this->File.room(16);

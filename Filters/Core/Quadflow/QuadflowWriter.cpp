@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quadflow/QuadflowFormat.h"
 
-#include "IO/AtomicFile.h"
+#include "IO/FileParts.h"
 #include "IO/TextOutput.h"
 #include "Quadflow/QuadflowSyntax.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace bsv
 {
@@ -136,8 +135,8 @@ Index pointCount(const BSplineVolume& volume)
 }
 
 /// @param report told the control points done, every now and then
-void writeBlock(TextOutput text, const BSplineVolume& volume, int id, const QuadflowOptions& options,
-  const std::function<void(Index)>& report)
+void writeBlock(
+  TextOutput text, const BSplineVolume& volume, int id, const QuadflowOptions& options, const PartReport& report)
 {
   text << "block " << id << "\n degree " << volume.degree[0] << " " << volume.degree[1] << " " << volume.degree[2]
        << "\n ncp " << volume.count(0) << " " << volume.count(1) << " " << volume.count(2) << "\n";
@@ -160,7 +159,7 @@ void writeBlock(TextOutput text, const BSplineVolume& volume, int id, const Quad
   for (Index first = 0; first < size; first += PointsPerReport)
   {
     const Index last = std::min(size, first + PointsPerReport);
-    report(first);
+    report(static_cast<double>(first));
     if (options.binary)
     {
       text.raw(volume.points + 3 * first, 3 * (last - first));
@@ -177,76 +176,29 @@ void writeBlock(TextOutput text, const BSplineVolume& volume, int id, const Quad
   }
 }
 
-/// Writes the rest of a file on which rank 0 is, each rank its blocks, and finishes it. With several ranks they first
-/// count their characters, to know the places of their blocks.
+/// Writes the rest of a file on which rank 0 is, each rank its blocks.
 void writeGeometry(AtomicFile& file, const QuadflowCase& all, const QuadflowOptions& options, const Execution& run)
 {
-  const Ranks& ranks = *run.ranks;
-  const bool first = ranks.rank() == 0;
-  const bool several = ranks.size() > 1;
-  double total = 1.0;
-  for (const QuadflowBlock& block : all.blocks)
-  {
-    total += block.volume.rank == ranks.rank() ? static_cast<double>(pointCount(block.volume)) : 0.0;
-  }
-  const auto overOwn = [&](double from, double to, const auto& visit) {
-    double done = 0.0;
-    for (std::size_t b = 0; b < all.blocks.size(); ++b)
-    {
-      const BSplineVolume& volume = all.blocks[b].volume;
-      if (volume.rank == ranks.rank())
+  const auto onFirst = [&](const std::string& text) {
+    run.ranks->together([&] {
+      if (run.ranks->rank() == 0)
       {
-        visit(b, volume, static_cast<int>(b) + options.indexBase,
-          [&](Index points) { run.report(from + (to - from) * (done + static_cast<double>(points)) / total); });
-        done += static_cast<double>(pointCount(volume));
+        file.write(text);
       }
-    }
+    });
   };
-
-  std::vector<Index> start; // of every block, and the end of the last
-  ranks.together([&] {
-    if (first)
-    {
-      TextOutput(file) << "GEOMETRY" << (options.binary ? std::string(" binary ") + ownByteOrder() : "") << "\n";
-    }
-  });
-  if (several)
+  std::vector<FilePart> parts;
+  for (std::size_t b = 0; b < all.blocks.size(); ++b)
   {
-    start.assign(all.blocks.size() + 1, 0);
-    Index position = 0;
-    std::vector<Index> sizes(all.blocks.size(), 0);
-    ranks.together([&] {
-      CharacterCount written;
-      position = first ? file.position() : 0;
-      overOwn(0.0, 0.5, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
-        const Index before = written.count();
-        writeBlock(TextOutput(written), volume, id, options, report);
-        sizes[b] = written.count() - before;
-      });
-    });
-    ranks.share(sizes, [&](Index b) { return all.blocks[b].volume.rank; });
-    std::copy(sizes.begin(), sizes.end(), start.begin() + 1);
-    start[0] = ranks.gatherAll(std::vector<Index>{ position }).front();
-    std::partial_sum(start.begin(), start.end(), start.begin());
+    const BSplineVolume& volume = all.blocks[b].volume;
+    const int id = static_cast<int>(b) + options.indexBase;
+    parts.push_back({ volume.rank, static_cast<double>(pointCount(volume)),
+      [&volume, id, &options](
+        OutputBuffer& out, const PartReport& report) { writeBlock(TextOutput(out), volume, id, options, report); } });
   }
-  ranks.together([&] {
-    overOwn(several ? 0.5 : 0.0, 1.0, [&](std::size_t b, const BSplineVolume& volume, int id, const auto& report) {
-      if (several)
-      {
-        file.seek(start[b]);
-      }
-      writeBlock(TextOutput(file), volume, id, options, report);
-    });
-    if (first)
-    {
-      if (several)
-      {
-        file.seek(start.back());
-      }
-      TextOutput(file) << "end\n";
-    }
-    file.finish();
-  });
+  onFirst(std::string("GEOMETRY") + (options.binary ? std::string(" binary ") + ownByteOrder() : "") + "\n");
+  writeParts(file, parts, run);
+  onFirst("end\n");
 }
 
 std::string withoutExtension(const std::string& path)
@@ -275,13 +227,14 @@ void writeQuadflow(
       }
     });
   };
-  AtomicFile topology(path, ranks);
-  onFirst([&] {
-    writeHeader(TextOutput(topology), Magic, options);
-    writeTopology(TextOutput(topology), all, options.indexBase);
-  });
+  FileGroup files(run);
   if (!options.separateGeometry)
   {
+    AtomicFile& topology = files.add(path);
+    onFirst([&] {
+      writeHeader(TextOutput(topology), Magic, options);
+      writeTopology(TextOutput(topology), all, options.indexBase);
+    });
     writeGeometry(topology, all, options, run);
   }
   else
@@ -291,22 +244,20 @@ void writeQuadflow(
     {
       throw Error("'" + path + "': the extension .bsp is that of the geometry file");
     }
+    // The topology appears last: it names the other file.
+    AtomicFile& geometry = files.add(geometryPath);
+    AtomicFile& topology = files.add(path);
     onFirst([&] {
+      writeHeader(TextOutput(topology), Magic, options);
+      writeTopology(TextOutput(topology), all, options.indexBase);
       TextOutput(topology) << "GEOMETRY file " << encoded(geometryPath.substr(folderOf(geometryPath).size()))
                            << "\nend\n";
-      topology.finish();
-    });
-    AtomicFile geometry(geometryPath, ranks);
-    onFirst([&] {
       writeHeader(TextOutput(geometry), GeometryMagic, options);
       TextOutput(geometry) << "counts blocks " << static_cast<int>(all.blocks.size()) << "\n";
     });
     writeGeometry(geometry, all, options, run);
-    ranks.together([&] { run.report(1.0); });
-    onFirst([&] { geometry.publish(); });
   }
-  ranks.together([&] { run.report(1.0); });
-  onFirst([&] { topology.publish(); });
+  files.publish();
 }
 
 } // namespace bsv

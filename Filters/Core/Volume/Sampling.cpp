@@ -12,17 +12,25 @@ namespace bsv
 namespace
 {
 
-std::array<WeightTable, 3> weightTables(const BSplineVolume& volume, int level, const std::array<int, 3>& derivative)
+std::array<WeightTable, 3> weightTables(
+  const BSplineVolume& volume, const SpanLevels& levels, const std::array<int, 3>& derivative)
 {
-  const int parts = 1 << level;
   std::array<WeightTable, 3> tables;
   for (int d = 0; d < 3; ++d)
   {
     const int degree = volume.degree[d];
     const std::vector<double>& knots = volume.knots[d];
+    const std::vector<int> spans = nonEmptySpans(degree, knots);
+    std::vector<int> parts;
+    std::vector<int> partsOfSpan(knots.size(), 1);
+    for (std::size_t n = 0; n < spans.size(); ++n)
+    {
+      parts.push_back(1 << levels[d][n]);
+      partsOfSpan[spans[n]] = parts.back();
+    }
     // Only differences of neighbouring knots are used: they are what blocks share.
     tables[d] = weightTable(degree, knots, parts, [&](int s, int part, double* values) {
-      const double fraction = static_cast<double>(part) / parts;
+      const double fraction = static_cast<double>(part) / partsOfSpan[s];
       const double length = knots[s + 1] - knots[s];
       double left[MaxDegree + 1];
       double right[MaxDegree + 1];
@@ -40,8 +48,8 @@ std::array<WeightTable, 3> weightTables(const BSplineVolume& volume, int level, 
 }
 
 /// Quotient rule on the samples of the numerator and of the denominator.
-void sampleRational(
-  const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
+void sampleRational(const BSplineVolume& volume, const SpanLevels& levels, const std::array<int, 3>& derivative,
+  double* samples, const Execution& run)
 {
   const std::vector<double> net = homogeneousNet(volume);
   std::vector<std::array<int, 3>> lower; // ascending: each after those that it needs
@@ -55,7 +63,7 @@ void sampleRational(
       }
     }
   }
-  const std::array<int, 3> counts = sampleCounts(volume, level, "volume");
+  const std::array<int, 3> counts = sampleCounts(levels, "volume");
   const Index size = 4 * Index(counts[0]) * counts[1] * counts[2];
   // x, y, z of the derivatives of the volume, w those of the denominator.
   std::vector<std::vector<double>> values(lower.size());
@@ -65,7 +73,7 @@ void sampleRational(
     part.progress = [&](double fraction) { return run.progress((n + fraction) / lower.size()); };
     values[n].resize(size);
     tensorPasses({ { volume.count(0), volume.count(1), volume.count(2) }, 4, net.data() },
-      weightTables(volume, level, lower[n]), values[n].data(), part);
+      weightTables(volume, levels, lower[n]), values[n].data(), part);
     for (std::size_t m = 1; m <= n; ++m)
     {
       // With orders 0 and 1 all binomial coefficients are 1.
@@ -99,37 +107,56 @@ void sampleRational(
 
 } // namespace
 
-std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const std::string& name)
+SpanLevels uniformLevels(const BSplineVolume& volume, int level, const std::string& name)
 {
   if (level < 0 || level > MaxSamplingLevel)
   {
     throw Error(name + ": Level " + std::to_string(level) + " is not in 0.." + std::to_string(MaxSamplingLevel));
   }
+  SpanLevels levels;
+  for (int d = 0; d < 3; ++d)
+  {
+    levels[d].assign(nonEmptySpans(volume.degree[d], volume.knots[d]).size(), level);
+  }
+  return levels;
+}
+
+std::array<int, 3> sampleCounts(const SpanLevels& levels, const std::string& name)
+{
   std::array<int, 3> counts;
   double bytes = 3 * sizeof(double);
   for (int d = 0; d < 3; ++d)
   {
-    const Index spans = static_cast<Index>(nonEmptySpans(volume.degree[d], volume.knots[d]).size());
-    const Index count = (spans << level) + 1;
+    Index count = 1;
+    for (const int level : levels[d])
+    {
+      count += Index(1) << level;
+    }
     bytes *= static_cast<double>(count);
     if (count > std::numeric_limits<int>::max() || bytes > 9e18)
     {
-      throw Error(name + ": Level " + std::to_string(level) + " has too many samples");
+      throw Error(name + ": Level " + std::to_string(*std::max_element(levels[d].begin(), levels[d].end())) +
+        " has too many samples");
     }
     counts[d] = static_cast<int>(count);
   }
   return counts;
 }
 
-std::vector<double> sampleParameters(const BSplineVolume& volume, int direction, int level)
+std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const std::string& name)
+{
+  return sampleCounts(uniformLevels(volume, level, name), name);
+}
+
+std::vector<double> sampleParameters(const BSplineVolume& volume, int direction, const std::vector<int>& levels)
 {
   const std::vector<double>& knots = volume.knots[direction];
   const std::vector<int> spans = nonEmptySpans(volume.degree[direction], knots);
-  const int parts = 1 << level;
   std::vector<double> parameters;
-  parameters.reserve(spans.size() * parts + 1);
-  for (const int s : spans)
+  for (std::size_t n = 0; n < spans.size(); ++n)
   {
+    const int s = spans[n];
+    const int parts = 1 << levels[n];
     for (int j = 0; j < parts; ++j)
     {
       parameters.push_back(knots[s] + (knots[s + 1] - knots[s]) * (static_cast<double>(j) / parts));
@@ -139,8 +166,13 @@ std::vector<double> sampleParameters(const BSplineVolume& volume, int direction,
   return parameters;
 }
 
-void sample(
-  const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
+std::vector<double> sampleParameters(const BSplineVolume& volume, int direction, int level)
+{
+  return sampleParameters(volume, direction, uniformLevels(volume, level, "volume")[direction]);
+}
+
+void sample(const BSplineVolume& volume, const SpanLevels& levels, const std::array<int, 3>& derivative,
+  double* samples, const Execution& run)
 {
   for (const int order : derivative)
   {
@@ -151,13 +183,19 @@ void sample(
   }
   if (volume.weights)
   {
-    sampleRational(volume, level, derivative, samples, run);
+    sampleRational(volume, levels, derivative, samples, run);
   }
   else
   {
     tensorPasses({ { volume.count(0), volume.count(1), volume.count(2) }, 3, volume.points },
-      weightTables(volume, level, derivative), samples, run);
+      weightTables(volume, levels, derivative), samples, run);
   }
+}
+
+void sample(
+  const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
+{
+  sample(volume, uniformLevels(volume, level, "volume"), derivative, samples, run);
 }
 
 } // namespace bsv

@@ -23,13 +23,22 @@ namespace bsv
 
 constexpr int MaxSamplingLevel = 8;
 
+/// Per direction the level of every non-empty span, each 0..MaxSamplingLevel. Samples of unequal levels are among those
+/// of the highest one, bit for bit.
+using SpanLevels = std::array<std::vector<int>, 3>;
+
+/// The same level for all spans. @throws Error, beginning with `name`, if it is not in 0..MaxSamplingLevel.
+SpanLevels uniformLevels(const BSplineVolume& volume, int level, const std::string& name);
+
 /// Samples per direction at `level`.
 /// @throws Error, beginning with `name`, if the level is not in 0..MaxSamplingLevel or there are more samples than an
 /// int per direction or 2^63 bytes in all can hold.
 std::array<int, 3> sampleCounts(const BSplineVolume& volume, int level, const std::string& name);
+std::array<int, 3> sampleCounts(const SpanLevels& levels, const std::string& name);
 
 /// The parameters of the samples in one direction.
 std::vector<double> sampleParameters(const BSplineVolume& volume, int direction, int level);
+std::vector<double> sampleParameters(const BSplineVolume& volume, int direction, const std::vector<int>& levels);
 
 /// Values (derivative {0,0,0}) or derivatives, with orders 0 or 1 per direction, at all samples.
 /// The volume must have passed checkBSplineVolume().
@@ -37,5 +46,9 @@ std::vector<double> sampleParameters(const BSplineVolume& volume, int direction,
 /// @throws Error for other orders, Aborted.
 void sample(const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples,
   const Execution& run = {});
+
+/// The same with a level per span.
+void sample(const BSplineVolume& volume, const SpanLevels& levels, const std::array<int, 3>& derivative,
+  double* samples, const Execution& run = {});
 
 } // namespace bsv

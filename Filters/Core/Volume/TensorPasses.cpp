@@ -389,19 +389,30 @@ WeightTable WeightTable::slice(int begin, int end) const
   return result;
 }
 
-WeightTable weightTable(int degree, const std::vector<double>& knots, int parts, const SpanWeights& weightsOf)
+WeightTable weightTable(
+  int degree, const std::vector<double>& knots, const std::vector<int>& parts, const SpanWeights& weightsOf)
 {
   const std::vector<int> spans = nonEmptySpans(degree, knots);
-  const std::size_t rows = spans.size() * parts + 1;
+  std::size_t rows = 1;
+  for (const int count : parts)
+  {
+    rows += static_cast<std::size_t>(count);
+  }
   WeightTable table;
   table.windows.reserve(rows);
   table.width = 2 * degree + 1; // two windows of degree + 1, at least one and at most degree apart
   table.weights.resize(rows * table.width);
   double* weights = table.weights.data();
-  for (std::size_t i = 0; i < rows; ++i, weights += table.width)
+  std::size_t span = 0;
+  int j = 0;
+  for (std::size_t i = 0; i < rows; ++i, ++j, weights += table.width)
   {
-    const std::size_t span = std::min(i / parts, spans.size() - 1);
-    const int j = static_cast<int>(i - span * parts);
+    // The last row is the end of the last span.
+    if (j == parts[span] && span + 1 < spans.size())
+    {
+      ++span;
+      j = 0;
+    }
     int first = spans[span] - degree;
     int count = degree + 1;
     if (j > 0 || span == 0)
@@ -412,7 +423,7 @@ WeightTable weightTable(int degree, const std::vector<double>& knots, int parts,
     {
       double before[MaxDegree + 1];
       double after[MaxDegree + 1];
-      weightsOf(spans[span - 1], parts, before);
+      weightsOf(spans[span - 1], parts[span - 1], before);
       weightsOf(spans[span], 0, after);
       first = spans[span - 1] - degree;
       const int shift = spans[span] - spans[span - 1];
@@ -438,6 +449,11 @@ WeightTable weightTable(int degree, const std::vector<double>& knots, int parts,
     table.windows.push_back({ first + skip, count });
   }
   return table;
+}
+
+WeightTable weightTable(int degree, const std::vector<double>& knots, int parts, const SpanWeights& weightsOf)
+{
+  return weightTable(degree, knots, std::vector<int>(nonEmptySpans(degree, knots).size(), parts), weightsOf);
 }
 
 void tensorPasses(

@@ -56,6 +56,9 @@ using SpanWeights = std::function<void(int span, int j, double* values)>;
 /// Table with the rows 0..parts of every non-empty span, the last row of a span and the first of the next one being one
 /// row, for which the mean of both is taken: equal up to rounding where they are the same, and symmetric.
 WeightTable weightTable(int degree, const std::vector<double>& knots, int parts, const SpanWeights& weights);
+/// The same with the rows 0..parts[n] of non-empty span n.
+WeightTable weightTable(
+  int degree, const std::vector<double>& knots, const std::vector<int>& parts, const SpanWeights& weights);
 
 /// Control points, or anything else that there is one of per control point: i fastest.
 struct ControlNet

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files that MPI ranks write together are those that one process writes: PLOT3D, neutral maps and OpenFOAM cases byte
+for byte, CGNS by content. Run with pvbatch --sym on any number of ranks."""
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import bsplinevolume
+from bsv_support import (RANK, RANKS, Alone, simple, vtk, blocks, client, coordinates, field, main, names, shared_folder,
+                         total)
+
+assert RANKS == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
+
+
+def mesh():
+    """All blocks, made by each rank alone."""
+    source = bsplinevolume.vtkWingFuselageSource()
+    source.SetResolution(3)
+    with Alone():
+        source.Update()
+    copy = source.GetOutputDataObject(0).NewInstance()
+    copy.ShallowCopy(source.GetOutputDataObject(0))
+    return copy
+
+
+def share(data):
+    """Every rank's own blocks of a mesh."""
+    mine = data.NewInstance()
+    mine.ShallowCopy(data)
+    for b in range(mine.GetNumberOfPartitionedDataSets()):
+        if b % RANKS != RANK:
+            mine.GetPartitionedDataSet(b).SetNumberOfPartitions(0)
+    return mine
+
+
+def write(data, path, encoding, levels=1):
+    writer = bsplinevolume.vtkHexBlockMeshWriter()
+    writer.SetInputDataObject(data)
+    writer.SetFileName(path)
+    writer.SetEncoding(encoding)
+    writer.SetLevels(levels)
+    assert writer.Write() == 1 and writer.GetErrorCode() == 0
+
+
+def files(path):
+    found = {}
+    for at, _, here in os.walk(path):
+        for name in here:
+            with open(os.path.join(at, name), "rb") as file:
+                found[os.path.relpath(os.path.join(at, name), path)] = file.read()
+    return found
+
+
+def content(path):
+    reader = bsplinevolume.vtkHexBlockMeshReader()
+    reader.SetFileName(path)
+    with Alone():
+        reader.Update()
+    data = reader.GetOutputDataObject(0)
+    return (names(data), field(data, "Interfaces"), field(data, "Boundaries"), field(data, "BoundaryNames"),
+            [bytes(memoryview(coordinates(block))) for block in blocks(data)])
+
+
+def test_same_files():
+    whole = mesh()
+    mine = share(mesh())
+    with shared_folder() as path:
+        for kind, (name, encoding) in enumerate((("a.xyz", 1), ("a.x", 0), ("a.p3d", 2), ("a.foam", 0), ("a.foam", 1),
+                                                 ("a.cgns", 1))):
+            together, alone = (os.path.join(path, "%d%s" % (kind, how)) for how in ("together", "alone"))
+            if RANK == 0:
+                os.mkdir(together)
+                os.mkdir(alone)
+            total(0)
+            write(mine, os.path.join(together, name), encoding)
+            total(0)
+            if RANK == 0:
+                with Alone():
+                    write(whole, os.path.join(alone, name), encoding)
+                if name == "a.cgns":
+                    assert content(os.path.join(together, name)) == content(os.path.join(alone, name))
+                else:
+                    assert files(together) == files(alone), (kind, name)
+            total(0)
+
+
+def test_one_error():
+    """A folder that is missing is the error of all, raised by the first rank."""
+    writer = bsplinevolume.vtkHexBlockMeshWriter()
+    errors = []
+
+    def observe(_object, _event, text):
+        errors.append(text)
+    observe.CallDataType = "string0"
+    writer.AddObserver("ErrorEvent", observe)
+    writer.SetInputDataObject(share(mesh()))
+    for name in ("missing/a.xyz", "missing/a.cgns"):
+        writer.SetFileName(name)
+        assert writer.Write() == 0 and writer.GetErrorCode() != 0
+    assert len(errors) == (2 if RANK == 0 else 0)
+
+
+if __name__ == "__main__":
+    main(globals())
