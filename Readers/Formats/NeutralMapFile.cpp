@@ -266,9 +266,9 @@ private:
   {
     std::vector<std::string>& words = this->Words;
     std::size_t count = words.size() > 2 && isInteger(words[0]) && kind(words[1]) == "to" ? 3 : 1;
-    while (count < words.size() && !isInteger(words[count]))
+    for (std::size_t w = count; w < std::min<std::size_t>(words.size(), 3); ++w)
     {
-      ++count;
+      count = isInteger(words[w]) ? count : w + 1;
     }
     for (std::size_t w = 1; w < count; ++w)
     {
