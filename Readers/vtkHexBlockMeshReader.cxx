@@ -42,11 +42,13 @@ static_assert(int(vtkHexBlockMeshReader::WITH_IBLANK) == int(bsv::IBlank::Presen
 
 /// Array that takes over the values, without a copy.
 template <typename Array, typename Value>
-vtkSmartPointer<Array> adopt(std::unique_ptr<Value[]>& values, int components, bsv::Index tuples)
+vtkSmartPointer<Array> adopt(bsv::BlockArray<Value>& values, int components, bsv::Index tuples)
 {
   auto array = vtkSmartPointer<Array>::New();
   array->SetNumberOfComponents(components);
-  array->SetArray(values.release(), components * tuples, 0, Array::VTK_DATA_ARRAY_DELETE);
+  array->SetArray(values.get(), components * tuples, 0, Array::VTK_DATA_ARRAY_USER_DEFINED);
+  array->SetArrayFreeFunction(values.get_deleter().function);
+  values.release();
   return array;
 }
 

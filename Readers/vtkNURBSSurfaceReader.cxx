@@ -174,6 +174,13 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
     {
       vtkWarningMacro(<< this->FileName << ": left out: " << this->NotRead);
     }
+    for (const std::string& warning : content.warnings)
+    {
+      if (run.ranks->rank() == 0)
+      {
+        vtkWarningMacro(<< this->FileName << ": " << warning);
+      }
+    }
     if (content.approximated > 0 && run.ranks->rank() == 0)
     {
       vtkWarningMacro(<< this->FileName << ": " << content.approximated

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "Base/Types.h"
+#include "Base/UTF8.h"
 #include "Execution/ControllerRanks.h"
 #include "Ranks/Ranks.h"
 
@@ -112,7 +113,7 @@ int execute(vtkAlgorithm* algorithm, Output* output, const Ranks& ranks, const B
     output->Initialize();
     if (ranks.rank() == 0)
     {
-      vtkErrorWithObjectMacro(algorithm, << error.what());
+      vtkErrorWithObjectMacro(algorithm, << validUTF8(error.what()));
     }
     else
     {

@@ -12,6 +12,9 @@ namespace bsv
 namespace
 {
 
+/// What tells of a file what it is.
+constexpr std::size_t HeadBytes = std::size_t(1) << 20;
+
 bool startsWith(const std::string& text, const char* head)
 {
   return text.rfind(head, 0) == 0;
@@ -35,7 +38,7 @@ bool isBSplineVolumeFile(const std::string& fileName)
 {
   try
   {
-    const std::string text = readTextFile(fileName);
+    const std::string text = readTextFile(fileName, HeadBytes);
     return startsWith(text, "MFEM NURBS") || (looksLikeG2(text) && hasG2Class(text, G2Volume));
   }
   catch (const Error&)
@@ -46,12 +49,13 @@ bool isBSplineVolumeFile(const std::string& fileName)
 
 BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName)
 {
-  const std::string text = readTextFile(fileName);
-  const bool g2 = looksLikeG2(text);
-  if (!g2 && !startsWith(text, "MFEM"))
+  const std::string head = readTextFile(fileName, HeadBytes);
+  const bool g2 = looksLikeG2(head);
+  if (!g2 && !startsWith(head, "MFEM"))
   {
-    throw Error(fileName + (text.empty() ? ": the file is empty" : ": neither a GoTools g2 file nor an MFEM mesh"));
+    throw Error(fileName + (head.empty() ? ": the file is empty" : ": neither a GoTools g2 file nor an MFEM mesh"));
   }
+  const std::string text = readTextFile(fileName);
   BSplineVolumeFileContent content = g2 ? parseG2Volumes(text, fileName) : parseMFEMMesh(text, fileName);
   if (content.blocks.empty())
   {

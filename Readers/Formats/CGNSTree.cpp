@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 namespace bsv
@@ -40,6 +41,19 @@ int valueSize(const std::string& type)
     return 8;
   }
   return type == "X8" ? 16 : -1;
+}
+
+/// The types that the library can read for nodes of a label; it ends the process for some others. Null: any.
+const char* typesOf(const std::string& label)
+{
+  static const std::map<std::string, const char*> types = { { "CGNSLibraryVersion_t", "R4" }, { "CGNSBase_t", "I4" },
+    { "Zone_t", "I4 I8" }, { "ZoneType_t", "C1" }, { "GridConnectivity1to1_t", "C1" }, { "GridConnectivity_t", "C1" },
+    { "GridConnectivityType_t", "C1" }, { "BC_t", "C1" }, { "FamilyName_t", "C1" }, { "AdditionalFamilyName_t", "C1" },
+    { "FamilyBC_t", "C1" }, { "GridLocation_t", "C1" }, { "Descriptor_t", "C1" }, { "DataClass_t", "C1" },
+    { "SimulationType_t", "C1" }, { "\"int[IndexDimension]\"", "I4" }, { "IndexRange_t", "I4 I8" },
+    { "IndexArray_t", "I4 I8 R4 R8" }, { "Ordinal_t", "I4" }, { "Elements_t", "I4" } };
+  const auto found = types.find(label);
+  return found == types.end() ? nullptr : found->second;
 }
 
 class TreeCheck
@@ -134,12 +148,18 @@ private:
     }
     std::array<char, 1024> text{};
     this->check(cgio_get_label(this->File, node, text.data()), path);
+    const std::string label = text.data();
     this->check(cgio_get_data_type(this->File, node, text.data()), path);
     const std::string type = text.data();
     const int size = valueSize(type);
     if (size < 0)
     {
       this->fail(path, "the data type '" + type.substr(0, 8) + "' is unknown");
+    }
+    const char* allowed = typesOf(label);
+    if (allowed && type != "MT" && type != "LK" && std::string(allowed).find(type) == std::string::npos)
+    {
+      this->fail(path, "the node of kind " + label + " has data of type " + type + ", not of " + allowed);
     }
     int dimensions = 0;
     std::array<cgsize_t, CGIO_MAX_DIMENSIONS> counts{};

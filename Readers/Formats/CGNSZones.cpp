@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/CGNSZones.h"
 
+#include "Base/UTF8.h"
 #include "Formats/CGNSTree.h"
 #include "Formats/DeclaredConnectivity.h"
+#include "Formats/ReaderJobs.h"
+#include "IO/RegularFile.h"
 
 #include <vtk_cgns.h>
 // clang-format off
@@ -87,10 +90,11 @@ public:
 class CGNSReader
 {
 public:
-  CGNSReader(const std::string& fileName, const Execution& run, const Piece& piece)
+  CGNSReader(const std::string& fileName, const Execution& run, const Piece& piece, const BlockMemory& memory)
     : FileName(fileName)
     , Run(run)
     , Part(piece)
+    , Memory(memory)
   {
     checkCGNSTree(fileName);
     this->check(cg_open(fileName.c_str(), CG_MODE_READ, &this->File), "");
@@ -106,8 +110,7 @@ public:
   CGNSReader(const CGNSReader&) = delete;
   CGNSReader& operator=(const CGNSReader&) = delete;
 
-  /// @param[out] contacts those of the zones with their places; the points are not checked yet.
-  CGNSZones read(std::vector<DeclaredContact>& contacts)
+  CGNSZones read()
   {
     int bases = 0;
     this->check(cg_nbases(this->File, &bases), "");
@@ -123,7 +126,7 @@ public:
     }
     this->Declared.finish(this->Mesh, this->Left);
     this->readCoordinates();
-    contacts = this->Declared.contacts();
+    this->Zones.contacts = this->Declared.contacts();
     this->Zones.interfaces = std::move(this->Mesh.interfaces);
     this->Zones.boundaries = std::move(this->Mesh.boundaries);
     this->Zones.boundaryNames = std::move(this->Mesh.boundaryNames);
@@ -226,7 +229,7 @@ private:
       this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type) + "; only structured zones can be read");
     }
     GridBlock block;
-    block.name = this->blockName(name.data());
+      block.name = validUTF8(this->blockName(name.data()));
     for (int d = 0; d < 3; ++d)
     {
       if (size[d] < 2 || size[d] > std::numeric_limits<int>::max())
@@ -332,7 +335,7 @@ private:
     const bool isFloat = this->checkCoordinates(block);
     try
     {
-      block.allocate(isFloat);
+      block.allocate(isFloat, this->Memory);
       isFloat ? this->readCoordinates(block, block.floats.get(), CGNS_ENUMV(RealSingle))
               : this->readCoordinates(block, block.doubles.get(), CGNS_ENUMV(RealDouble));
     }
@@ -602,7 +605,7 @@ private:
     {
       name = cg_BCTypeName(type);
     }
-    return { name, says(type) ? cg_BCTypeName(type) : UnknownBoundaryType };
+    return { validUTF8(name), says(type) ? cg_BCTypeName(type) : UnknownBoundaryType };
   }
 
   /// Types of the families of the base, by name.
@@ -802,6 +805,7 @@ private:
   std::string FileName;
   const Execution& Run;
   const Piece Part;
+  const BlockMemory& Memory;
   int File = 0;
   bool IsOpen = false;
   int Base = 0;
@@ -831,6 +835,10 @@ private:
 
 bool looksLikeCGNS(const std::string& fileName)
 {
+  if (!isRegularFile(fileName))
+  {
+    return false;
+  }
   std::array<char, 32> start{};
   std::ifstream stream(fileName, std::ios::binary);
   stream.read(start.data(), start.size());
@@ -838,17 +846,21 @@ bool looksLikeCGNS(const std::string& fileName)
   return text.find("ADF Database Version") == 4 || text.find("\x89HDF\r\n\x1a\n") == 0;
 }
 
+CGNSZones loadCGNS(const std::string& fileName, const Execution& run, const Piece& piece, const BlockMemory& memory)
+{
+  return CGNSReader(fileName, run, piece, memory).read();
+}
+
 CGNSZones readCGNS(const std::string& fileName, const Execution& run, const Piece& piece)
 {
   CGNSZones zones;
-  std::vector<DeclaredContact> contacts;
-  run.ranks->together([&] { zones = CGNSReader(fileName, run, piece).read(contacts); });
+  run.ranks->together([&] { zones = loadCGNSApart(fileName, run, piece); });
   BlockMesh mesh;
   for (const GridBlock& block : zones.blocks)
   {
     mesh.blocks.push_back(meshBlock(block));
   }
-  checkContacts(mesh, contacts, *run.ranks);
+  checkContacts(mesh, zones.contacts, *run.ranks);
   return zones;
 }
 

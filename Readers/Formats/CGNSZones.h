@@ -4,6 +4,7 @@
 #pragma once
 
 #include "Base/Types.h"
+#include "Formats/FaceContact.h"
 #include "Formats/GridBlock.h"
 #include "Ranks/Piece.h"
 
@@ -28,16 +29,24 @@ struct CGNSZones
   std::vector<std::string> boundaryTypes;
   /// What was left out, one sentence per kind: boundary conditions that contradict the mesh, bases of other dimensions.
   std::vector<std::string> warnings;
+  /// The interfaces with their places in the file, for checkContacts().
+  std::vector<DeclaredContact> contacts;
 };
 
 /// Whether the file starts like a CGNS file (ADF or HDF5). Never throws.
 bool looksLikeCGNS(const std::string& fileName);
 
 /// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity says nothing
-/// and is skipped: coincident points tell. Not to be called from several threads: the CGNS library keeps its state in
-/// globals. Collective.
+/// and is skipped: coincident points tell. The points of contacts are not compared. Not to be called from several
+/// threads: the CGNS library keeps its state in globals; and a damaged file may end the process in it.
+/// @param memory where the points go
 /// @throws Error naming file, zone and value: surface or unstructured zones, no or wrong coordinates, contacts whose
-/// transforms or ranges do not fit or whose points do not coincide (see checkContacts), damaged files; Aborted.
+/// transforms or ranges do not fit, damaged files; Aborted.
+CGNSZones loadCGNS(
+  const std::string& fileName, const Execution& run = {}, const Piece& piece = {}, const BlockMemory& memory = {});
+
+/// The same in a process of its own (ReaderJobs.h), so that no file ends this one. Collective.
+/// @throws Error for the same, and for contacts whose points do not coincide (see checkContacts); Aborted.
 CGNSZones readCGNS(const std::string& fileName, const Execution& run = {}, const Piece& piece = {});
 
 } // namespace bsv

@@ -15,6 +15,9 @@
 #include <ctime>
 #include <dlfcn.h>
 #include <fcntl.h>
+#ifdef __linux__
+#include <link.h>
+#endif
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
@@ -177,6 +180,19 @@ std::string signalText(int signal)
   }
 }
 
+/// Whether these are not the first bytes of what ChildChannel sends.
+bool isNonsense(const std::string& received)
+{
+  std::uint64_t length = 0;
+  if (received.size() >= 9)
+  {
+    std::memcpy(&length, received.data() + 1, sizeof(length));
+  }
+  return !received.empty() &&
+    (std::string("PDE").find(received[0]) == std::string::npos ||
+      (received.size() >= 9 && received.size() > 9 + length));
+}
+
 /// A child that is ended and waited for, whatever happens.
 class Child
 {
@@ -290,16 +306,38 @@ private:
   /// That of this process. The program finds the libraries that this one has loaded, wherever they are.
   static std::vector<std::string> environment()
   {
-    std::string folder;
-    Dl_info information{};
-    if (dladdr(reinterpret_cast<void*>(&posix_spawn), &information) != 0)
-    {
-      folder.clear();
-    }
+    std::string path;
+#ifdef __linux__
+    dl_iterate_phdr(
+      [](dl_phdr_info* library, std::size_t, void* folders) {
+        const std::string name = library->dlpi_name ? library->dlpi_name : "";
+        const std::size_t slash = name.rfind('/');
+        auto& list = *static_cast<std::string*>(folders);
+        if (slash != std::string::npos && slash > 0)
+        {
+          const std::string folder = name.substr(0, slash) + ":";
+          list += (":" + list).find(":" + folder) == std::string::npos ? folder : "";
+        }
+        return 0;
+      },
+      &path);
+#endif
     std::vector<std::string> variables;
     for (char** at = environ; at && *at; ++at)
     {
-      variables.emplace_back(*at);
+      const std::string variable = *at;
+      if (variable.rfind("LD_LIBRARY_PATH=", 0) == 0)
+      {
+        path += variable.substr(16);
+      }
+      else
+      {
+        variables.push_back(variable);
+      }
+    }
+    if (!path.empty())
+    {
+      variables.push_back("LD_LIBRARY_PATH=" + path);
     }
     return variables;
   }
@@ -436,6 +474,8 @@ std::optional<ChildResult> runChild(const std::string& program, const std::vecto
         fraction = value >= fraction && value <= 1.0 ? value : fraction;
         received.erase(0, 9);
       }
+      // Anything else than its last text, or more, is none of its words.
+      open = open && !isNonsense(received);
     }
     run.report(fraction);
     const double now = child.seconds();
@@ -452,6 +492,11 @@ std::optional<ChildResult> runChild(const std::string& program, const std::vecto
   }
 
   const double used = child.seconds();
+  if (isNonsense(received))
+  {
+    throw Error(
+      subject + ": the library that reads it failed: its result is damaged; so is the file, or memory is short");
+  }
   const std::string end = child.wait();
   std::uint64_t length = 0;
   if (received.size() >= 9)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/DeclaredConnectivity.h"
 
+#include "Base/UTF8.h"
+
 #include <algorithm>
 #include <cctype>
 
@@ -68,7 +70,7 @@ void Leftovers::add(const std::string& reason, const std::string& item)
     this->Reasons.push_back(reason);
     this->Items.emplace_back();
   }
-  this->Items[at].push_back(item);
+  this->Items[at].push_back(validUTF8(item));
 }
 
 std::vector<std::string> Leftovers::sentences() const
@@ -144,7 +146,7 @@ int DeclaredConnectivity::tagOf(const std::string& name, const std::string& type
 void DeclaredConnectivity::addBoundary(
   const DirectedRange& range, const std::string& name, const std::string& type, const std::string& where)
 {
-  const int tag = this->tagOf(name, type);
+  const int tag = this->tagOf(validUTF8(name), type);
   this->Boundaries.push_back({ range, tag, where });
 }
 

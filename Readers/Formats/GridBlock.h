@@ -6,12 +6,39 @@
 
 #include "Mesh/BlockMesh.h"
 
+#include <functional>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
 namespace bsv
 {
+
+/// Gives back memory the way it was taken.
+struct BlockRelease
+{
+  void (*function)(void*) = [](void* memory) { ::operator delete(memory); };
+  void operator()(void* memory) const { this->function(memory); }
+};
+
+template <typename Value>
+using BlockArray = std::unique_ptr<Value[], BlockRelease>;
+
+/// Where the points of blocks are put. Values are not initialised.
+struct BlockMemory
+{
+  /// @throws std::bad_alloc
+  std::function<void*(std::size_t bytes)> allocate = [](std::size_t bytes) { return ::operator new(bytes); };
+  void (*release)(void*) = BlockRelease().function;
+
+  template <typename Value>
+  BlockArray<Value> array(Index count) const
+  {
+    void* memory = this->allocate(static_cast<std::size_t>(count) * sizeof(Value));
+    return BlockArray<Value>(static_cast<Value*>(memory), { this->release });
+  }
+};
 
 struct GridBlock
 {
@@ -21,10 +48,10 @@ struct GridBlock
   /// The piece that the block belongs to (Piece.h).
   int piece = 0;
   /// size() triples x y z, i fastest: exactly one of the two, in the precision of the file, or none of another piece.
-  std::unique_ptr<float[]> floats;
-  std::unique_ptr<double[]> doubles;
+  BlockArray<float> floats;
+  BlockArray<double> doubles;
   /// size() values, or null if the file has none.
-  std::unique_ptr<int[]> iblank;
+  BlockArray<int> iblank;
 
   Index size() const { return Index(this->counts[0]) * this->counts[1] * this->counts[2]; }
   bool isHere() const { return this->floats || this->doubles; }
@@ -35,16 +62,15 @@ struct GridBlock
 
   /// Makes room for the points, not initialised.
   /// @throws std::bad_alloc
-  void allocate(bool isFloat)
+  void allocate(bool isFloat, const BlockMemory& memory = {})
   {
-    const std::size_t values = 3 * static_cast<std::size_t>(this->size());
     if (isFloat)
     {
-      this->floats.reset(new float[values]);
+      this->floats = memory.array<float>(3 * this->size());
     }
     else
     {
-      this->doubles.reset(new double[values]);
+      this->doubles = memory.array<double>(3 * this->size());
     }
   }
 };

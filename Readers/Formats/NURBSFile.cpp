@@ -2,6 +2,8 @@
 #include "Formats/NURBSFile.h"
 
 #include "Formats/G2File.h"
+#include "Formats/ReaderJobs.h"
+#include "IO/RegularFile.h"
 #include "Volume/BSplineVolume.h"
 
 #include <Eigen/Geometry>
@@ -22,6 +24,10 @@ constexpr int MaxCutsPerSpan = 32;
 
 std::string formatOfNURBSFile(const std::string& fileName)
 {
+  if (!isRegularFile(fileName))
+  {
+    return {};
+  }
   std::ifstream stream(fileName, std::ios::binary);
   std::string head(512, '\0');
   stream.read(&head[0], static_cast<std::streamsize>(head.size()));
@@ -181,9 +187,19 @@ NURBSFileContent readNURBSFile(const std::string& fileName, double tolerance, co
   if (format.empty())
   {
     // Says why, if it cannot even be opened.
-    const std::string text = readTextFile(fileName);
-    throw Error(
-      fileName + (text.empty() ? ": the file is empty" : ": neither an IGES, STEP, BREP nor a GoTools g2 file"));
+    requireRegularFile(fileName);
+    std::ifstream stream(fileName, std::ios::binary);
+    if (!stream)
+    {
+      throw Error(fileName + ": cannot be opened");
+    }
+    std::string start(2, ' ');
+    stream.read(start.data(), 2);
+    throw Error(fileName +
+      (stream.gcount() == 0                            ? ": the file is empty"
+          : start == "\x1f\x8b"                        ? ": the file is compressed (gzip); unpack it first"
+          : start == "\xff\xfe" || start == "\xfe\xff" ? ": the file is a text in UTF-16; save it as plain ASCII"
+                                                       : ": neither an IGES, STEP, BREP nor a GoTools g2 file"));
   }
   NURBSFileContent content;
   if (format == "GoTools g2")
@@ -206,7 +222,7 @@ NURBSFileContent readNURBSFile(const std::string& fileName, double tolerance, co
   }
   else
   {
-    content = readCADFile(fileName, format, tolerance, run);
+    content = readCADFileApart(fileName, format, tolerance, run);
   }
   if (content.patches.empty())
   {

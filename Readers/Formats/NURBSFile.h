@@ -41,6 +41,7 @@ struct NURBSFileContent
   std::vector<std::pair<std::string, int>> others;
   /// Patches that the format stores as a kind of surface with no exact NURBS form (offset surfaces).
   int approximated = 0;
+  std::vector<std::string> warnings;
 };
 
 /// Reads a file; its format is found from its first bytes.
@@ -54,7 +55,8 @@ std::string formatOfNURBSFile(const std::string& fileName);
 /// Whether IGES, STEP and BREP can be read.
 bool canReadCADFiles();
 
-/// IGES, STEP or BREP: readNURBSFile() without the search for the format. @throws Error; always without OpenCASCADE.
+/// IGES, STEP or BREP: readNURBSFile() without the search for the format, in this process, which a damaged file may end
+/// in OpenCASCADE. @throws Error; always without OpenCASCADE.
 NURBSFileContent readCADFile(
   const std::string& fileName, const std::string& format, double tolerance, const Execution& run);
 

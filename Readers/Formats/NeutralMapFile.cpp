@@ -2,6 +2,7 @@
 #include "Formats/NeutralMapFile.h"
 
 #include "Formats/DeclaredConnectivity.h"
+#include "IO/RegularFile.h"
 #include "Ranks/Ranks.h"
 
 #include <algorithm>
@@ -89,7 +90,7 @@ class NeutralMapReader
 {
 public:
   NeutralMapReader(const std::string& fileName, BlockMesh& mesh)
-    : FileName(fileName)
+    : FileName(regular(fileName))
     , Stream(fileName)
     , Mesh(mesh)
   {
@@ -118,6 +119,11 @@ public:
   }
 
 private:
+  static const std::string& regular(const std::string& fileName)
+  {
+    requireRegularFile(fileName);
+    return fileName;
+  }
   std::string where() const { return this->FileName + ", line " + std::to_string(this->Line); }
   [[noreturn]] void fail(const std::string& what) const { throw Error(this->where() + ": " + what); }
 

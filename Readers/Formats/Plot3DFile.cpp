@@ -686,7 +686,7 @@ void readAscii(
     if (layout.iblank == IBlank::Present)
     {
       reader.switchType();
-      block.iblank.reset(own ? new int[static_cast<std::size_t>(block.size())] : nullptr);
+      block.iblank = own ? BlockMemory().array<int>(block.size()) : nullptr;
       own ? read("iblank", block,
               [&](Index begin, Index end) {
                 for (Index p = begin; p < end; ++p)
@@ -1224,7 +1224,7 @@ void readBinary(
     }
     if (layout.iblank == IBlank::Present)
     {
-      block.iblank.reset(new int[static_cast<std::size_t>(size)]);
+      block.iblank = BlockMemory().array<int>(size);
       const auto store = [&](Index p, Index value) { block.iblank[p] = static_cast<int>(value); };
       layout.integerSize == 8 ? readArray<Index>(file, at, size, layout.byteOrder, store, report)
                               : readArray<int>(file, at, size, layout.byteOrder, store, report);

@@ -1,20 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/TextScanner.h"
 
+#include "IO/RegularFile.h"
+
 #include <fstream>
-#include <iterator>
+#include <vector>
 
 namespace bsv
 {
 
-std::string readTextFile(const std::string& fileName)
+std::string readTextFile(const std::string& fileName, std::size_t most)
 {
+  requireRegularFile(fileName);
   std::ifstream stream(fileName, std::ios::binary);
   if (!stream)
   {
     throw Error(fileName + ": cannot be opened");
   }
-  std::string text{ std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
+  std::string text;
+  std::vector<char> part(std::size_t(1) << 20);
+  while (stream && text.size() < most)
+  {
+    stream.read(part.data(), static_cast<std::streamsize>(part.size()));
+    const auto end = part.begin() + stream.gcount();
+    // Not to fill the memory with a file that is none.
+    if (std::find(part.begin(), end, '\0') != end)
+    {
+      throw Error(fileName + ": the file holds bytes that are 0; it is no text");
+    }
+    text.append(part.begin(), end);
+    text.resize(std::min(text.size(), most));
+  }
   if (stream.bad())
   {
     throw Error(fileName + ": cannot be read");

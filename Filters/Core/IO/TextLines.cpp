@@ -11,8 +11,24 @@
 namespace bsv
 {
 
+namespace
+{
+
+/// @throws Error if opening the file could wait, or reading it would never end.
+const std::string& checked(const std::string& path)
+{
+  struct stat status;
+  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
+  {
+    throw Error("Cannot read '" + path + "': it is not a regular file");
+  }
+  return path;
+}
+
+} // namespace
+
 TextLines::TextLines(const std::string& path)
-  : Path(path)
+  : Path(checked(path))
   , File(std::fopen(path.c_str(), "rb"), &std::fclose)
   , Buffer(std::size_t(1) << 20)
 {
@@ -20,10 +36,6 @@ TextLines::TextLines(const std::string& path)
   if (!this->File || ::fstat(::fileno(this->File.get()), &status) != 0)
   {
     throw Error("Cannot open '" + path + "': " + std::strerror(errno));
-  }
-  if (!S_ISREG(status.st_mode))
-  {
-    throw Error("Cannot read '" + path + "': it is not a regular file");
   }
   this->Remaining = status.st_size;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quadflow/QuadflowFormat.h"
 
+#include "IO/RegularFile.h"
 #include "IO/TextLines.h"
 #include "Quadflow/QuadflowSyntax.h"
 
@@ -576,6 +577,10 @@ private:
 
 bool looksLikeQuadflow(const std::string& path)
 {
+  if (!isRegularFile(path))
+  {
+    return false;
+  }
   // Comments may come first, but not more than this.
   std::vector<char> start(4096);
   std::ifstream stream(path, std::ios::binary);

@@ -128,7 +128,9 @@ std::string refusalOfPiece(vtkAlgorithm* algorithm, int number, int count)
 {
   std::vector<std::string> errors;
   vtkNew<vtkCallbackCommand> observer;
-  observer->SetCallback(collect);
+  observer->SetCallback([](vtkObject*, unsigned long, void* list, void* text) {
+    static_cast<std::vector<std::string>*>(list)->emplace_back(static_cast<const char*>(text));
+  });
   observer->SetClientData(&errors);
   const unsigned long tag = algorithm->AddObserver(vtkCommand::ErrorEvent, observer);
   vtkNew<vtkCallbackCommand> silence;
@@ -355,14 +357,23 @@ TEST(Pieces, OfBinaryFilesOnlyTheirPartIsRead)
   quadflow->SetFileName((folder / "volume.qfmb").c_str());
   readers.emplace_back(folder / "volume.qfmb", quadflow);
 
+  // The program that reads CGNS files is read, too, with its libraries.
+  writeCGNS(meshcases::cutBox({ 1, 1, 1 }), folder / "small.cgns");
+  vtkNew<vtkHexBlockMeshReader> small;
+  small->SetFileName((folder / "small.cgns").c_str());
+  const Index start = bytesRead();
+  small->Update();
+  const Index program = bytesRead() - start;
+
   for (const auto& entry : readers)
   {
     const double size = static_cast<double>(std::filesystem::file_size(entry.first));
+    const bool apart = entry.first.find(".cgns") != std::string::npos;
     for (const int count : { 1, 2, 4 })
     {
       const Index before = bytesRead();
       entry.second->UpdatePiece(count - 1, count, 0);
-      const double share = static_cast<double>(bytesRead() - before) / size;
+      const double share = static_cast<double>(bytesRead() - before - (apart ? program : 0)) / size;
       // Headers, and what is read ahead of each of the eight blocks.
       EXPECT_LT(share, 1.0 / count + 0.15) << entry.first;
     }
@@ -455,7 +466,8 @@ TEST(Pieces, RanksCheckContactsTogether)
           block.name = "block " + std::to_string(b + 1);
           here.blocks.push_back(block);
         }
-        bsv::readNeutralMap(map, here, run);
+        std::vector<std::string> warnings;
+        bsv::readNeutralMap(map, here, warnings, run);
         return here.interfaces.size();
       };
       const std::string serial =

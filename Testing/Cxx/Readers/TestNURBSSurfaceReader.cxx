@@ -801,20 +801,175 @@ TEST(NURBSSurfaceReader, DamagedEntitiesAreRefused)
   const Folder folder;
   writeShape(primitives(), folder / "all.step");
   const std::string text = readText(folder / "all.step");
+  Reading whole;
+  whole.read(folder / "all.step");
+  const std::vector<BodyPatch> patches = whole.patches();
   // Every entity that is a point for one that is unknown, then for one of another kind; one reference to nowhere.
+  int refusals = 0;
   for (const std::string other : { "CARTESIAN_PAINT", "DIRECTION" })
   {
     std::size_t at = text.find("CARTESIAN_POINT(");
     for (int n = 0; n < 12 && at != std::string::npos; ++n)
     {
       writeText(folder / "bad.step", std::string(text).replace(at, 15, other));
-      refused(folder / "bad.step");
+      Reading reading;
+      reading.read(folder / "bad.step");
+      refusals += !reading.errors.empty();
+      if (reading.errors.empty())
+      {
+        // No face depends on it.
+        const std::vector<BodyPatch> left = reading.patches();
+        ASSERT_EQ(left.size(), patches.size());
+        for (std::size_t p = 0; p < patches.size(); ++p)
+        {
+          EXPECT_EQ(left[p].surface.points, patches[p].surface.points);
+        }
+        EXPECT_STRNE(reading.reader->GetNotRead(), "");
+      }
       at = text.find("CARTESIAN_POINT(", at + text.size() / 15);
     }
   }
+  EXPECT_GE(refusals, 20);
   const std::size_t reference = text.find("(#", text.size() / 2);
   writeText(folder / "bad.step", std::string(text).replace(reference + 2, 1, "99999"));
   EXPECT_NE(refused(folder / "bad.step").find("is used but nowhere defined"), std::string::npos);
+}
+
+TEST(NURBSSurfaceReader, WhatNoFaceDependsOnNeverRefusesSTEP)
+{
+  const Folder folder;
+  writeShape(primitives(), folder / "all.step");
+  const std::string text = readText(folder / "all.step");
+  Reading whole;
+  whole.read(folder / "all.step");
+  const std::string end = "ENDSEC;\nEND-ISO-10303-21;";
+  ASSERT_NE(text.find(end), std::string::npos);
+  struct Kind
+  {
+    const char* entities;
+    const char* keyword;
+  };
+  for (const Kind& kind : {
+         Kind{ "#9001=CURVE_STYLE('',$,$,$);", "CurveStyle" },
+         Kind{ "#9001=PERSON('1');", "Person" },
+         Kind{ "#9001=COLOUR_RGB('',0.1);", "ColourRgb" },
+         Kind{ "#9001=POINT_STYLE('',#9002,$,$);", "POINT_STYLE" },
+         Kind{ "#9001=CALENDAR_DATE(1,2);", "CalendarDate" },
+         Kind{ "#9001=TEXT_LITERAL('note');", "" },
+         Kind{ "#9001=SURFACE_STYLE_USAGE(.BOTH.,#9999);", "SURFACE_STYLE_USAGE" },
+       })
+  {
+    writeText(folder / "more.step", std::string(text).replace(text.find(end), 0, std::string(kind.entities) + "\n"));
+    Reading reading;
+    reading.read(folder / "more.step");
+    EXPECT_TRUE(reading.errors.empty()) << kind.entities << reading.errors[0];
+    EXPECT_EQ(reading.reader->GetNumberOfPatches(), whole.reader->GetNumberOfPatches()) << kind.entities;
+    const std::string notRead = reading.reader->GetNotRead();
+    EXPECT_NE(notRead.find(kind.keyword), std::string::npos) << kind.entities << ": " << notRead;
+  }
+}
+
+namespace
+{
+
+/// Card of an IGES file.
+std::string card(std::string text, char section, int number)
+{
+  char end[16];
+  std::snprintf(end, sizeof(end), "%c%7d", section, number);
+  text.resize(72, ' ');
+  return text + end + "\n";
+}
+
+/// An entity of an IGES file: type, parameters, and the columns for blank status and colour.
+struct IGESEntity
+{
+  int type;
+  std::string parameters;
+  bool hidden = false;
+  int colour = 0;
+};
+
+std::string igesFile(const std::vector<IGESEntity>& entities)
+{
+  std::string directory;
+  std::string parameters;
+  int card72 = 0;
+  for (std::size_t e = 0; e < entities.size(); ++e)
+  {
+    const IGESEntity& entity = entities[e];
+    const int first = card72 + 1;
+    for (std::size_t at = 0; at < entity.parameters.size(); at += 60)
+    {
+      char back[16];
+      std::snprintf(back, sizeof(back), "%8d", static_cast<int>(2 * e + 1));
+      std::string line = entity.parameters.substr(at, 60);
+      line.resize(64, ' ');
+      parameters += card(line + back, 'P', ++card72);
+    }
+    char text[100];
+    std::snprintf(text, sizeof(text), "%8d%8d%8d%8d%8d%8d%8d%8d%s", entity.type, first, 0, 0, 0, 0, 0, 0,
+      entity.hidden ? "01000000" : "00000000");
+    directory += card(text, 'D', static_cast<int>(2 * e + 1));
+    std::snprintf(text, sizeof(text), "%8d%8d%8d%8d%8d", entity.type, 0, entity.colour, card72 - first + 1, 0);
+    directory += card(text, 'D', static_cast<int>(2 * e + 2));
+  }
+  const std::string start = card("test", 'S', 1);
+  const std::string global =
+    card("1H,,1H;,4Htest,8Htest.igs,4Htest,4Htest,32,38,6,308,15,4Htest,1.0,2,2HMM,1,", 'G', 1) +
+    card("1.0,15H20000101.000000,1.0E-6,1000.0,4Htest,4Htest,11,0;", 'G', 2);
+  char end[64];
+  std::snprintf(end, sizeof(end), "S%7dG%7dD%7dP%7d", 1, 2, static_cast<int>(2 * entities.size()), card72);
+  return start + global + directory + parameters + card(end, 'T', 1);
+}
+
+/// A flat B-spline surface of 2 x 2 points. @param knots of the first direction
+std::string plate(const std::string& knots, double height, const std::string& domain = ",0.,1.,0.,1.")
+{
+  const std::string z = "," + std::to_string(height);
+  return "128,1,1,1,1,0,0,1,0,0," + knots + ",0.,0.,1.,1.,1.,1.,1.,1.,0.,0." + z + ",1.,0." + z + ",0.,1." + z +
+    ",1.,1." + z + domain + ";";
+}
+
+} // namespace
+
+TEST(NURBSSurfaceReader, HabitsOfIGES)
+{
+  const Folder folder;
+  const std::string knots = "0.,0.,1.,1.";
+  // Hidden surfaces are left out and counted.
+  writeText(folder / "a.igs", igesFile({ { 128, plate(knots, 0.0) }, { 128, plate(knots, 1.0), true } }));
+  Reading hidden;
+  hidden.read(folder / "a.igs");
+  ASSERT_TRUE(hidden.errors.empty()) << hidden.errors[0];
+  EXPECT_EQ(hidden.reader->GetNumberOfPatches(), 1);
+  EXPECT_NE(std::string(hidden.reader->GetNotRead()).find("1 hidden"), std::string::npos)
+    << hidden.reader->GetNotRead();
+  // All of them: nothing is left, and the error says why.
+  writeText(folder / "b.igs", igesFile({ { 128, plate(knots, 0.0), true } }));
+  EXPECT_NE(refused(folder / "b.igs").find("1 hidden"), std::string::npos);
+  // Knots say the domain as well.
+  writeText(folder / "c.igs", igesFile({ { 128, plate(knots, 0.0, "") } }));
+  Reading domain;
+  domain.read(folder / "c.igs");
+  ASSERT_TRUE(domain.errors.empty()) << domain.errors[0];
+  ASSERT_EQ(domain.patches().size(), 1u);
+  EXPECT_EQ(domain.patches()[0].surface.last(0), 1.0);
+  checkTessellation(domain);
+  // They must not decrease.
+  writeText(folder / "d.igs", igesFile({ { 128, plate("0.,0.5,0.25,1.", 0.0) } }));
+  const std::string error = refused(folder / "d.igs");
+  EXPECT_NE(error.find("surface D1: the knots of u decrease"), std::string::npos) << error;
+  // Colours and notes that are wrong do not matter.
+  for (const IGESEntity& other : { IGESEntity{ 314, "314,10.0;" }, IGESEntity{ 212, "212,1,5,x,1.0;" },
+         IGESEntity{ 406, "406,2,x;" }, IGESEntity{ 410, "410,1;" } })
+  {
+    writeText(folder / "e.igs", igesFile({ { 128, plate(knots, 0.0) }, other }));
+    Reading reading;
+    reading.read(folder / "e.igs");
+    EXPECT_TRUE(reading.errors.empty()) << other.type << reading.errors[0];
+    EXPECT_EQ(reading.reader->GetNumberOfPatches(), 1) << other.type;
+  }
 }
 
 TEST(NURBSSurfaceReader, SharedCADFiles)
