@@ -229,7 +229,7 @@ private:
       this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type) + "; only structured zones can be read");
     }
     GridBlock block;
-      block.name = validUTF8(this->blockName(name.data()));
+    block.name = validUTF8(this->blockName(name.data()));
     for (int d = 0; d < 3; ++d)
     {
       if (size[d] < 2 || size[d] > std::numeric_limits<int>::max())

@@ -17,8 +17,7 @@ namespace bsv
 
 /// The whole of a file, or its first bytes.
 /// @throws Error if it cannot be read, is no regular file, or holds bytes that are 0, which no text does.
-std::string readTextFile(
-  const std::string& fileName, std::size_t most = std::numeric_limits<std::size_t>::max());
+std::string readTextFile(const std::string& fileName, std::size_t most = std::numeric_limits<std::size_t>::max());
 
 class TextScanner
 {
