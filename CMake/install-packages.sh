@@ -3,7 +3,11 @@
 # Installs those packages of debian-packages.txt that are missing; does nothing if there are none.
 set -eu
 
-packages=$(sed 's/#.*//' "$(dirname "$0")/debian-packages.txt")
+# Debian's testing has no number.
+release=$(. /etc/os-release && echo "${VERSION_ID:-testing}")
+packages=$(sed 's/#.*//' "$(dirname "$0")/debian-packages.txt" | awk -F: -v release="$release" '
+  NF == 1 { print }
+  NF == 2 && index(" " $1 " ", " " release " ") { print $2 }')
 missing=
 for package in $packages; do
   case $(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true) in

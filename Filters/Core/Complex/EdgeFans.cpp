@@ -158,7 +158,8 @@ VertexStar vertexStar(const BlockComplex& complex, int vertex)
   const std::vector<CornerUse>& corners = complex.vertices[vertex].corners;
   for (std::size_t index = 0; index < corners.size(); ++index)
   {
-    const auto [block, corner] = corners[index];
+    const int block = corners[index].block;
+    const int corner = corners[index].corner;
     const ComplexBlock& owner = complex.blocks[block];
     const auto pointAt = [&](int di, int dj, int dk) {
       const Ijk steps{ di, dj, dk };

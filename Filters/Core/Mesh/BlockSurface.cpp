@@ -215,8 +215,8 @@ bool Contacts::undecided(int block, int face) const
 std::array<Index, 2> Contacts::steps(int orientation, int blockB, int b) const
 {
   // Along the axes of B, in numbers of quadrilaterals; the orientation code is in the lowest three bits of a link.
-  const Index alongS = Index(orientation & 2 ? -1 : 1) << 3;
-  const Index alongT = Index(orientation & 4 ? -1 : 1) * this->Surface->faceCells(blockB, b, 0) << 3;
+  const Index alongS = Index(8) * (orientation & 2 ? -1 : 1);
+  const Index alongT = Index(8) * (orientation & 4 ? -1 : 1) * this->Surface->faceCells(blockB, b, 0);
   return swapsAxes(orientation) ? std::array<Index, 2>{ alongT, alongS } : std::array<Index, 2>{ alongS, alongT };
 }
 
