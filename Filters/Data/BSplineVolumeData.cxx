@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/BSplineVolumeData.h"
 
+#include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
 
+#include <vtkCompositeDataSet.h>
 #include <vtkDataArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
+#include <vtkInformation.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPartitionedDataSetCollection.h>
@@ -245,6 +248,41 @@ void setWholeFaceContacts(vtkPartitionedDataSetCollection* collection, const std
   }
   setInterfaces(collection->GetFieldData(), contacts, counts);
   setBoundaries(collection->GetFieldData(), patches, boundaryNames, counts, boundaryTypes);
+
+  // What blocks bring with them when they are extracted. Only those here are asked for their size.
+  BlockMesh mesh;
+  for (unsigned int b = 0; b < collection->GetNumberOfPartitionedDataSets(); ++b)
+  {
+    MeshBlock block;
+    Ijk size{ 0, 0, 0 };
+    if (auto* grid = vtkStructuredGrid::SafeDownCast(collection->GetPartitionAsDataObject(b, 0)))
+    {
+      grid->GetDimensions(size.data());
+    }
+    block.points = GridView::elsewhere(size);
+    const char* name = collection->HasMetaData(b) && collection->GetMetaData(b)->Has(vtkCompositeDataSet::NAME())
+      ? collection->GetMetaData(b)->Get(vtkCompositeDataSet::NAME())
+      : nullptr;
+    block.name = name ? name : "";
+    mesh.blocks.push_back(block);
+  }
+  const auto wholeFace = [&](int block, int face) -> FaceRange {
+    const Ijk& size = mesh.blocks[block].points.counts();
+    return { { 0, 0 }, { size[faceAxis(face, 0)] - 1, size[faceAxis(face, 1)] - 1 } };
+  };
+  for (Interface& contact : contacts)
+  {
+    contact.rangeA = wholeFace(contact.blockA, contact.faceA);
+  }
+  for (BoundaryPatch& patch : patches)
+  {
+    patch.range = wholeFace(patch.block, patch.face);
+  }
+  mesh.interfaces = std::move(contacts);
+  mesh.boundaries = std::move(patches);
+  mesh.boundaryNames = boundaryNames;
+  mesh.boundaryTypes = boundaryTypes;
+  tagBlocks(collection, mesh, "volume", false);
 }
 
 } // namespace bsv

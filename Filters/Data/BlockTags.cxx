@@ -77,10 +77,6 @@ std::string meshKey(const BlockMesh& mesh, const std::string& source)
   for (const MeshBlock& block : mesh.blocks)
   {
     hash.add(block.name);
-    for (int n : block.points.counts())
-    {
-      hash.add(n);
-    }
   }
   for (const Interface& c : mesh.interfaces)
   {
@@ -148,7 +144,7 @@ std::vector<int> intsOf(vtkFieldData* fields, const char* name, int components)
 
 /// Numbers the points of a block from `first` on.
 template <typename Array>
-void numberPoints(vtkStructuredGrid* grid, Index first)
+void addPointNumbers(vtkStructuredGrid* grid, Index first)
 {
   vtkNew<Array> array;
   array->SetName("MeshPointIds");
@@ -889,7 +885,8 @@ void removeMeshKeys(vtkFieldData* fields)
   fields->RemoveArray("MeshBlockDimensions");
 }
 
-void tagBlocks(vtkPartitionedDataSetCollection* collection, const BlockMesh& mesh, const std::string& source)
+void tagBlocks(
+  vtkPartitionedDataSetCollection* collection, const BlockMesh& mesh, const std::string& source, bool numberPoints)
 {
   const std::string key = meshKey(mesh, source);
   std::vector<std::string> keys;
@@ -944,10 +941,6 @@ void tagBlocks(vtkPartitionedDataSetCollection* collection, const BlockMesh& mes
     }
     fields->AddArray(strings("BlockKey", { keys[b] }));
     fields->AddArray(ints("BlockDimensions", 3, { dimensions.begin() + 3 * b, dimensions.begin() + 3 * b + 3 }));
-    vtkNew<vtkIdTypeArray> firstPoint;
-    firstPoint->SetName("BlockFirstPoint");
-    firstPoint->InsertNextValue(first[b]);
-    fields->AddArray(firstPoint);
     if (!contacts[b].empty())
     {
       fields->AddArray(ints("BlockInterfaces", 9, contacts[b]));
@@ -963,13 +956,21 @@ void tagBlocks(vtkPartitionedDataSetCollection* collection, const BlockMesh& mes
     {
       fields->AddArray(ints("BlockCreases", 6, creases[b]));
     }
+    if (!numberPoints)
+    {
+      continue;
+    }
+    vtkNew<vtkIdTypeArray> firstPoint;
+    firstPoint->SetName("BlockFirstPoint");
+    firstPoint->InsertNextValue(first[b]);
+    fields->AddArray(firstPoint);
     if (points <= std::numeric_limits<int>::max())
     {
-      numberPoints<vtkIntArray>(grid, first[b]);
+      addPointNumbers<vtkIntArray>(grid, first[b]);
     }
     else
     {
-      numberPoints<vtkIdTypeArray>(grid, first[b]);
+      addPointNumbers<vtkIdTypeArray>(grid, first[b]);
     }
   }
   removeMeshKeys(collection->GetFieldData());
@@ -998,7 +999,8 @@ bool arraysFitBlocks(vtkFieldData* fields, const BlockMesh& mesh,
   fits = keys.size() == mesh.blocks.size();
   for (std::size_t b = 0; b < mesh.blocks.size() && fits; ++b)
   {
-    fits =
+    // Sizes of blocks of other ranks may be unknown.
+    fits = dimensions[3 * b] == 0 ||
       std::equal(dimensions.begin() + 3 * b, dimensions.begin() + 3 * b + 3, mesh.blocks[b].points.counts().begin());
     if (fits && grids[b] && grids[b]->GetFieldData()->HasArray("BlockKey"))
     {

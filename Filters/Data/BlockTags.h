@@ -37,8 +37,9 @@ namespace bsv
 
 /// Gives every block of `collection`, which are those of `mesh`, its own connectivity. Not collective.
 /// @param source what makes the mesh different from others of the same structure: a file, or a name.
-BSPLINEVOLUMEFILTERS_EXPORT void tagBlocks(
-  vtkPartitionedDataSetCollection* collection, const BlockMesh& mesh, const std::string& source);
+/// @param numberPoints whether blocks get `MeshPointIds`; without, only whole blocks keep their connectivity.
+BSPLINEVOLUMEFILTERS_EXPORT void tagBlocks(vtkPartitionedDataSetCollection* collection, const BlockMesh& mesh,
+  const std::string& source, bool numberPoints = true);
 
 /// Removes what tells that the blocks of a mesh are those that its arrays count: of arrays that are written anew.
 BSPLINEVOLUMEFILTERS_EXPORT void removeMeshKeys(vtkFieldData* fields);

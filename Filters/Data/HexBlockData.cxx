@@ -3,6 +3,7 @@
 
 #include "Data/BlockTags.h"
 #include "Data/HexMeshData.h"
+#include "Execution/FilterExecution.h"
 
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkCompositeDataSet.h>
@@ -703,6 +704,7 @@ BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructu
     return structuredBlocks(input, grids, ranks);
   }
   Execution run;
+  run.parallelFor = threadedFor;
   // Shared by nobody else for as long as this function runs.
   run.ranks = std::shared_ptr<const Ranks>(&ranks, [](const Ranks*) {});
   vtkNew<vtkPartitionedDataSetCollection> blocks;

@@ -34,42 +34,46 @@ inline bool aborted(vtkAlgorithm* algorithm)
 #endif
 }
 
-/// Execution whose progress 0..1 fills the part [first, last] of the algorithm's progress bar. `algorithm` must outlive
-/// it.
+/// Execution::parallelFor by vtkSMPTools.
 ///
 /// An exception in a loop is handed to the calling thread, the one of the lowest range if there are several: thrown in
 /// a worker thread of vtkSMPTools it would end the process.
+inline void threadedFor(Index count, Index grain, const Execution::Body& body)
+{
+  if (count <= 0)
+  {
+    return;
+  }
+  std::exception_ptr failure;
+  Index failedAt = count;
+  std::mutex guard;
+  vtkSMPTools::For(0, count, grain, [&](vtkIdType begin, vtkIdType end) {
+    try
+    {
+      body(begin, end);
+    }
+    catch (...)
+    {
+      const std::lock_guard<std::mutex> lock(guard);
+      if (begin < failedAt)
+      {
+        failedAt = begin;
+        failure = std::current_exception();
+      }
+    }
+  });
+  if (failure)
+  {
+    std::rethrow_exception(failure);
+  }
+}
+
+/// Execution whose progress 0..1 fills the part [first, last] of the algorithm's progress bar. `algorithm` must outlive
+/// it.
 inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, double last = 1.0)
 {
   Execution run;
-  run.parallelFor = [](Index count, Index grain, const Execution::Body& body) {
-    if (count <= 0)
-    {
-      return;
-    }
-    std::exception_ptr failure;
-    Index failedAt = count;
-    std::mutex guard;
-    vtkSMPTools::For(0, count, grain, [&](vtkIdType begin, vtkIdType end) {
-      try
-      {
-        body(begin, end);
-      }
-      catch (...)
-      {
-        const std::lock_guard<std::mutex> lock(guard);
-        if (begin < failedAt)
-        {
-          failedAt = begin;
-          failure = std::current_exception();
-        }
-      }
-    });
-    if (failure)
-    {
-      std::rethrow_exception(failure);
-    }
-  };
+  run.parallelFor = threadedFor;
   run.ranks = globalRanks();
   run.progress = [algorithm, first, last](double fraction) {
     algorithm->UpdateProgress(first + fraction * (last - first));

@@ -282,6 +282,18 @@ def test_half_models():
     assert "no symmetry boundary" in failure(simple.MirrorHexBlocks(Input=producer(none)))
 
 
+def test_blocks_of_volumes():
+    # The same behind the conversion: the contact and the names of the blocks that are left.
+    volume = simple.CatmullClarkToBSplineVolume(Input=read())
+    update(volume)
+    part = simple.ExtractBlock(Input=volume, Assembly="Assembly", Selectors=selectors(volume, [1, 2]))
+    samples, warnings = update(simple.BSplineVolumeSampler(Input=part))
+    assert not warnings
+    assert [tuple(int(v) for v in c[:4]) for c in field(samples, "Interfaces")] == [(0, 1, 1, 4)]
+    assert sorted(field(samples, "BoundaryNames")) == ["outlet", "symmetry", "wall below"]
+    assert len(field(samples, "Boundaries")) == 5
+
+
 def test_hidden_cells_are_left_out():
     block = grid((6, 6, 2), lambda i, j, k: (i, j, k))
     block.AllocateCellGhostArray()
