@@ -225,15 +225,16 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
   const bool wall = std::any_of(complex.faces.begin(), complex.faces.end(), [&](const bsv::ComplexFace& face) {
     return face.boundary() && face.tag >= 0 && options.roles[face.tag] == bsv::BoundaryRole::Body;
   });
-  if (!wall && (options.body || inputPoints == Filter::ON_BODY))
+  if (!wall && (options.body || inputPoints >= Filter::ON_BODY))
   {
-    throw bsv::Error(std::string(options.body ? "there is a Body" : "Input Points is OnBody") +
+    throw bsv::Error(std::string(options.body ? "there is a Body" : "Input Points is OnBody or LeastSquares") +
       ", but no boundary of the mesh is part of it: Body Boundaries are " + bsv::quotedList(patterns) +
       ", the mesh has the boundaries " + bsv::quotedList(complex.boundaryNames));
   }
 
   WallPoints result;
-  result.onBody = inputPoints == Filter::ON_BODY;
+  result.onBody = inputPoints >= Filter::ON_BODY;
+  fit.leastSquares = inputPoints == Filter::LEAST_SQUARES;
   std::ostringstream text;
   if (options.body)
   {
@@ -246,7 +247,10 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
       result.onBody = distances.inputPoints <= distances.limitPoints;
     }
   }
-  text << "input points taken as " << (result.onBody ? "OnBody" : "ControlNet")
+  text << "input points taken as "
+       << (fit.leastSquares   ? "LeastSquares"
+              : result.onBody ? "OnBody"
+                              : "ControlNet")
        << (inputPoints == Filter::AUTOMATIC ? ", chosen automatically\n" : "\n");
   if (result.onBody || options.body)
   {
@@ -255,6 +259,11 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
     text << (result.onBody ? "wall" : "creases and borders of the wall") << " fitted in " << report.iterations
          << " iterations: limit points within " << report.residual << " of their targets, before "
          << report.initialResidual << "; wall points moved by up to " << report.displacement << '\n';
+    if (fit.leastSquares)
+    {
+      text << "between its mesh points the wall is off the body by at most " << report.sampleDistance[1] << ", RMS "
+           << report.sampleRms[1] << "; before " << report.sampleDistance[0] << ", RMS " << report.sampleRms[0] << '\n';
+    }
   }
   result.report = text.str();
   return result;

@@ -68,7 +68,8 @@ public:
   {
     AUTOMATIC = 0,
     CONTROL_NET = 1,
-    ON_BODY = 2
+    ON_BODY = 2,
+    LEAST_SQUARES = 3
   };
 
   enum PlanarSidesType
@@ -96,7 +97,9 @@ public:
     SECOND_FUNDAMENTAL_FORM = 0,
     PARALLELOGRAM = 1,
     MASK = 2,
-    LITERAL = 3
+    LITERAL = 3,
+    ACC = 4,
+    PCCM = 5
   };
 
   enum ContinuityType
@@ -116,11 +119,12 @@ public:
    * about curvature h^2 / 6; or points of the body (ON_BODY), as in ordinary flow meshes. The wall's control mesh is
    * then solved for, so that its limit points are the mesh points, or with a body connected their closest points on
    * it. The converted wall interpolates them, except next to extraordinary vertices, where it is close only.
-   * PropagationRange says how far all this reaches into the layers. AUTOMATIC (default) takes the control net without a
-   * body, and with one whichever of the mesh points and their limit points lie closer to it; the report says what was
-   * chosen and both distances.
+   * PropagationRange says how far all this reaches into the layers. LEAST_SQUARES starts like ON_BODY and
+   * then fits the wall to the Body between its mesh points, which are approximated. AUTOMATIC (default) takes the
+   * control net without a body, and with one whichever of the mesh points and their limit points lie closer to it; the
+   * report says what was chosen and both distances.
    */
-  vtkSetClampMacro(InputPoints, int, AUTOMATIC, ON_BODY);
+  vtkSetClampMacro(InputPoints, int, AUTOMATIC, LEAST_SQUARES);
   vtkGetMacro(InputPoints, int);
   ///@}
 
@@ -215,10 +219,11 @@ public:
   /**
    * How the control point diagonally between two edges is found at extraordinary edges and extraordinary vertices of
    * the boundary: from the second fundamental form of the layer or surface (default), as the fourth point of a
-   * parallelogram, by the mask 4/9 2/9 2/9 1/9, or literally as the source of the method has it, which needs a Body and
-   * depends on its parametrisation.
+   * parallelogram, by the mask 4/9 2/9 2/9 1/9, or by the thesis formulas (5.38)-(5.43), which need a Body and depend
+   * on the directions of its parameters, not on their scale. ACC: the patches of Loop and Schaefer 2008; PCCM: those of
+   * Peters 2000, exactly G1, with EXACT_G1 only. Both keep the limit points and do not see the Body.
    */
-  vtkSetClampMacro(Twist, int, SECOND_FUNDAMENTAL_FORM, LITERAL);
+  vtkSetClampMacro(Twist, int, SECOND_FUNDAMENTAL_FORM, PCCM);
   vtkGetMacro(Twist, int);
   ///@}
 

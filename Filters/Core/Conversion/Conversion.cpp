@@ -309,6 +309,10 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
     {
       throw Error("Twist Literal needs the parameters of a Body, and there is none");
     }
+    if (options.twist == Twist::PCCM && options.continuity != Continuity::ExactG1)
+    {
+      throw Error("Twist PCCM needs double knots: Continuity must be ExactG1");
+    }
     if (options.continuity == Continuity::ExactG1 && options.wallOnly)
     {
       throw Error("the wall alone is converted with single knots only");

@@ -42,9 +42,16 @@ enum class Twist : std::uint8_t
   SecondFundamentalForm, ///< from the curvature of the layer or surface
   Parallelogram,         ///< fourth point of a parallelogram
   Mask,                  ///< mask 4/9 2/9 2/9 1/9 of the mesh points
-  /// At body vertices the parallelogram plus x_uv / 9 of the given surface (5.39)-(5.41), elsewhere the parallelogram:
-  /// the source's rule, to reproduce it. It depends on the surface's parametrisation. Needs ConversionOptions::body.
-  Literal
+  /// The source's formulas (5.38)-(5.43), to reproduce it: neighbours projected onto the tangent plane, at body
+  /// vertices the parallelogram plus x^_uv / 9, x^_uv being x_uv of the given surface scaled to a third of the distance
+  /// from the vertex to the projected p_11 (5.40), none where x_uv = 0; in layers the parallelogram. The directions of
+  /// the surface's parameters matter, their scale does not. Needs ConversionOptions::body.
+  Literal,
+  /// The patches of Loop and Schaefer 2008 (doi:10.1145/1330511.1330519): c1 and b11 from the masks
+  /// (n p + 2 e_k + 2 e_(k+1) + f_k) / (n + 5).
+  ACC,
+  /// After Peters 2000 (PCCM): explicit and exactly G1. Needs Continuity::ExactG1, which then does not fit the wall.
+  PCCM
 };
 
 /// How smooth blocks join at extraordinary edges and vertices.

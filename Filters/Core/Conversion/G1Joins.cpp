@@ -95,6 +95,10 @@ public:
       for (const NetFan& fan : this->Fans)
       {
         this->JoinRuleOf.prepare(fan.shape);
+        if (this->Options.twist == Twist::PCCM && PccmRule::fits(fan.shape))
+        {
+          this->PccmOf.emplace(fan.shape, fan.shape);
+        }
       }
       for (const Group& group : this->Groups)
       {
@@ -115,7 +119,15 @@ public:
           net = this->netOf(fan, layer);
           if (this->isJoined(fan, layer))
           {
-            this->JoinRuleOf.at(this->Fans[fan].shape).apply(net, true);
+            const auto pccm = this->PccmOf.find(this->Fans[fan].shape);
+            if (pccm != this->PccmOf.end())
+            {
+              pccm->second.apply(net);
+            }
+            else
+            {
+              this->JoinRuleOf.at(this->Fans[fan].shape).apply(net, true);
+            }
           }
         },
         joined);
@@ -979,7 +991,7 @@ private:
 
   void fitWall()
   {
-    const BodySurface* body = this->Options.body;
+    const BodySurface* body = this->Options.twist == Twist::PCCM ? nullptr : this->Options.body;
     std::vector<int> fans;
     for (const WallVertex& vertex : this->WallVertices)
     {
@@ -1143,6 +1155,7 @@ private:
   std::vector<Group> Groups;
   std::vector<WallVertex> WallVertices;
   JoinRules JoinRuleOf;
+  std::map<LocalNetShape, PccmRule> PccmOf;
   /// Per fan and sector.
   std::vector<std::vector<std::vector<double>>> Layers;
   std::map<int, std::vector<Shift>> GroupShifts;

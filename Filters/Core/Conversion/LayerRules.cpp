@@ -350,22 +350,13 @@ Vec3 apply(const FanStencil& stencil, const Fan& fan, int rotation, OrderFreeSum
 
 } // namespace
 
-Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight)
+namespace
 {
-  const FanStencils& stencils = stencilsOf(fan.closed, fan.sectorCount(), twist);
-  OrderFreeSum sum;
-  Fan result = fan;
-  result.center = apply(stencils.center, fan, 0, sum);
-  for (int i = 0; i < fan.spokeCount(); ++i)
-  {
-    result.spokes[i] = fan.closed ? apply(stencils.spokes[0], fan, i, sum) : apply(stencils.spokes[i], fan, 0, sum);
-  }
-  for (int i = 0; i < fan.sectorCount(); ++i)
-  {
-    result.sectors[i] = fan.closed ? apply(stencils.sectors[0], fan, i, sum) : apply(stencils.sectors[i], fan, 0, sum);
-  }
 
-  // Wall spacing stretches the offsets a_i, and the twist with them; the knot-insertion weight leaves all as it is.
+/// Wall spacing stretches the offsets a_i of a converted fan, and the twist with them; the knot-insertion weight leaves
+/// all as it is.
+Fan stretchedFan(Fan result, const std::vector<double>& nearWeight, const Fan& fan)
+{
   constexpr double Regular = 2.0 / 3.0;
   if (std::all_of(nearWeight.begin(), nearWeight.end(), [](double weight) { return weight == Regular; }))
   {
@@ -395,6 +386,131 @@ Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight
     }
   }
   return result;
+}
+
+/// Closed fans from the smallest spoke on, towards the smaller of its neighbours.
+class FanOrder
+{
+public:
+  explicit FanOrder(const Fan& fan)
+    : N(fan.sectorCount())
+  {
+    const auto less = [&](int a, int b) {
+      return std::lexicographical_compare(
+        fan.spokes[a].data(), fan.spokes[a].data() + 3, fan.spokes[b].data(), fan.spokes[b].data() + 3);
+    };
+    for (int i = 1; i < this->N; ++i)
+    {
+      this->First = less(i, this->First) ? i : this->First;
+    }
+    this->Backwards = less((this->First + this->N - 1) % this->N, (this->First + 1) % this->N);
+  }
+
+  Fan sorted(const Fan& fan) const
+  {
+    Fan result = fan;
+    for (int i = 0; i < this->N; ++i)
+    {
+      result.spokes[i] = fan.spokes[this->spokeAt(i)];
+      result.sectors[i] = fan.sectors[this->sectorAt(i)];
+    }
+    return result;
+  }
+  Fan restored(const Fan& fan) const
+  {
+    Fan result = fan;
+    for (int i = 0; i < this->N; ++i)
+    {
+      result.spokes[this->spokeAt(i)] = fan.spokes[i];
+      result.sectors[this->sectorAt(i)] = fan.sectors[i];
+    }
+    return result;
+  }
+
+private:
+  int spokeAt(int i) const { return (this->Backwards ? this->First - i + this->N : this->First + i) % this->N; }
+  int sectorAt(int i) const { return (this->Backwards ? this->First - i - 1 + this->N : this->First + i) % this->N; }
+
+  int N;
+  int First = 0;
+  bool Backwards = false;
+};
+
+/// The layer rule of the source: neighbours projected onto the tangent plane (5.42), parallelograms (5.43).
+Fan thesisFan(const Fan& input)
+{
+  const FanOrder order(input);
+  const Fan fan = order.sorted(input);
+  Fan result = fan;
+  result.center = smoothFan(fan, Twist::Parallelogram, std::vector<double>(fan.spokeCount(), 2.0 / 3.0)).center;
+  const Vec3 normal = limitNormal(fan);
+  const int n = fan.sectorCount();
+  std::vector<Vec3> offsets;
+  for (int i = 0; i < n; ++i)
+  {
+    const Vec3 border = smoothMask(fan.sectors[(i + n - 1) % n], fan.spokes[i], fan.sectors[i]) - result.center;
+    offsets.push_back((border - normal.dot(border) * normal) / 3.0);
+    result.spokes[i] = result.center + offsets[i];
+  }
+  for (int i = 0; i < n; ++i)
+  {
+    result.sectors[i] = result.center + (offsets[i] + offsets[(i + 1) % n]);
+  }
+  return order.restored(result);
+}
+
+/// Loop and Schaefer 2008.
+Fan accFan(const Fan& fan)
+{
+  Fan result = fan;
+  const int n = fan.sectorCount();
+  result.center = smoothFan(fan, Twist::Mask, std::vector<double>(n, 2.0 / 3.0)).center;
+  OrderFreeSum sum;
+  for (int i = 0; i < n; ++i)
+  {
+    sum.clear();
+    sum.add(n, fan.center);
+    sum.add(2.0, fan.spokes[i]);
+    sum.add(2.0, fan.spokes[(i + 1) % n]);
+    sum.add(1.0, fan.sectors[i]);
+    result.sectors[i] = sum.result(n + 5.0);
+  }
+  for (int i = 0; i < n; ++i)
+  {
+    result.spokes[i] = 0.5 * (result.sectors[(i + n - 1) % n] + result.sectors[i]);
+  }
+  return result;
+}
+
+} // namespace
+
+Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight)
+{
+  const bool extraordinary = fan.closed && fan.sectorCount() != 4;
+  if (extraordinary && twist == Twist::Literal && limitNormal(fan) != Vec3::Zero())
+  {
+    return stretchedFan(thesisFan(fan), nearWeight, fan);
+  }
+  if (extraordinary && twist == Twist::ACC)
+  {
+    return stretchedFan(accFan(fan), nearWeight, fan);
+  }
+  // Those two rules are for closed fans, or for the net with double knots.
+  const bool other = twist == Twist::ACC || twist == Twist::PCCM;
+  const FanStencils& stencils = stencilsOf(fan.closed, fan.sectorCount(), other ? Twist::SecondFundamentalForm : twist);
+  OrderFreeSum sum;
+  Fan result = fan;
+  result.center = apply(stencils.center, fan, 0, sum);
+  for (int i = 0; i < fan.spokeCount(); ++i)
+  {
+    result.spokes[i] = fan.closed ? apply(stencils.spokes[0], fan, i, sum) : apply(stencils.spokes[i], fan, 0, sum);
+  }
+  for (int i = 0; i < fan.sectorCount(); ++i)
+  {
+    result.sectors[i] = fan.closed ? apply(stencils.sectors[0], fan, i, sum) : apply(stencils.sectors[i], fan, 0, sum);
+  }
+
+  return stretchedFan(result, nearWeight, fan);
 }
 
 CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const std::vector<bool>& keptSpokes,
@@ -522,31 +638,27 @@ Vec3 limitNormal(const Fan& fan)
   return length > 0.0 ? Vec3(cross / length) : Vec3(Vec3::Zero());
 }
 
+namespace
+{
+
+/// x^_uv / 9 (5.40), (5.41).
+Vec3 thesisTwist(const Vec3& diagonal, const Vec3& center, const BodyFoot& foot)
+{
+  const Vec3 offset = diagonal - center;
+  const double length = (offset - foot.normal.dot(offset) * foot.normal).norm() / 3.0;
+  return length / 9.0 * foot.mixedDirection;
+}
+
+} // namespace
+
 Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
 {
   const Vec3& projection = foot.point;
   const Vec3& normal = foot.normal;
   const int n = input.sectorCount();
-  // Nothing below may depend on where the fan starts and in which sense it runs: start at the smallest spoke and go
-  // towards the smaller of its neighbours.
-  const auto less = [&](int a, int b) {
-    return std::lexicographical_compare(
-      input.spokes[a].data(), input.spokes[a].data() + 3, input.spokes[b].data(), input.spokes[b].data() + 3);
-  };
-  int first = 0;
-  for (int i = 1; i < n; ++i)
-  {
-    first = less(i, first) ? i : first;
-  }
-  const bool backwards = less((first + n - 1) % n, (first + 1) % n);
-  const auto spokeAt = [&](int i) { return (backwards ? first - i + n : first + i) % n; };
-  const auto sectorAt = [&](int i) { return (backwards ? first - i - 1 + n : first + i) % n; };
-  Fan fan = input;
-  for (int i = 0; i < n; ++i)
-  {
-    fan.spokes[i] = input.spokes[spokeAt(i)];
-    fan.sectors[i] = input.sectors[sectorAt(i)];
-  }
+  // Nothing below may depend on where the fan starts and in which sense it runs.
+  const FanOrder order(input);
+  const Fan fan = order.sorted(input);
 
   Fan points = fan;
   points.center = projection;
@@ -598,7 +710,7 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
     }
     if (twist == Twist::Literal)
     {
-      points.sectors[i] += foot.mixedDerivative / 9.0;
+      points.sectors[i] += thesisTwist(fan.sectors[i], projection, foot);
     }
     else if (twist == Twist::SecondFundamentalForm && foot.hasCurvature)
     {
@@ -612,16 +724,10 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
     }
   }
 
-  Fan result = points;
-  for (int i = 0; i < n; ++i)
-  {
-    result.spokes[spokeAt(i)] = points.spokes[i];
-    result.sectors[sectorAt(i)] = points.sectors[i];
-  }
-  return result;
+  return order.restored(points);
 }
 
-void projectGroup(Fan& points, int first, int size, const BodyFoot& foot, Twist twist)
+void projectGroup(Fan& points, const Fan& mesh, int first, int size, const BodyFoot& foot, Twist twist)
 {
   const int n = points.sectorCount();
   const auto offset = [&](int i) { return Vec3(points.spokes[(first + i) % n] - points.center); };
@@ -639,7 +745,7 @@ void projectGroup(Fan& points, int first, int size, const BodyFoot& foot, Twist 
     sector = points.center + blend * (a + b);
     if (twist == Twist::Literal)
     {
-      sector += foot.mixedDerivative / 9.0;
+      sector += thesisTwist(mesh.sectors[(first + i) % n], points.center, foot);
     }
     else if (twist == Twist::SecondFundamentalForm)
     {

@@ -99,8 +99,8 @@ struct BodyFoot
   /// II(a, b) = a^T curvature b with respect to `normal`; only if `hasCurvature`, else it is estimated on the fan.
   Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
   bool hasCurvature = false;
-  /// x_uv of the surface in its own parameters, for Twist::Literal.
-  Eigen::Vector3d mixedDerivative = Eigen::Vector3d::Zero();
+  /// x_uv / |x_uv| of the surface in its own parameters, or 0, for Twist::Literal.
+  Eigen::Vector3d mixedDirection = Eigen::Vector3d::Zero();
   /// Neighbours are the offsets of smoothFan projected onto the tangent plane, which stay affinely regular as exact G1
   /// needs, in place of the projected border points of (5.38).
   bool regularOffsets = false;
@@ -116,7 +116,8 @@ Fan projectedFan(const Fan& fan, const BodyFoot& foot, Twist twist);
 /// The same for a smooth group of a creased fan, `points`: its sectors first..first + size - 1 between two features.
 /// Only the side of the surface that the group lies on counts, each side of a crease has its own foot. Centre and
 /// spokes of the features stay; spokes between them are projected onto the tangent plane. `foot` must have a curvature.
-void projectGroup(Fan& points, int first, int size, const BodyFoot& foot, Twist twist);
+/// @param mesh the mesh points that `points` come from.
+void projectGroup(Fan& points, const Fan& mesh, int first, int size, const BodyFoot& foot, Twist twist);
 
 /// Unit normal of the Catmull-Clark limit surface at the centre of a closed smooth fan (4.18), zero where the limit
 /// tangents are parallel. Its sign follows the sense of the fan.

@@ -453,6 +453,80 @@ void JoinRule::apply(std::vector<Vec3>& net, bool moveFirst) const
   applyChange(this->Conditions, this->Points, this->Change, net);
 }
 
+bool PccmRule::fits(const LocalNetShape& shape)
+{
+  return shape.closed && std::all_of(shape.kinds.begin(), shape.kinds.end(), [](SpokeKind kind) { return kind == 3; });
+}
+
+PccmRule::PccmRule(const LocalNetShape& shape)
+  : Shape(shape)
+  , First(conditions(shape, true))
+{
+  for (int k = 0; k < shape.sectors; ++k)
+  {
+    this->FirstPoints.push_back(shape.spoke(k, 1));
+    this->DiagonalPoints.push_back(shape.sector(k, 1, 1));
+  }
+  // Per spoke (b), (c), then (d).
+  const std::vector<JoinCondition> others = conditions(shape, false);
+  const int perSpoke = static_cast<int>(others.size()) / shape.sectors;
+  for (int c = 0; c < static_cast<int>(others.size()); ++c)
+  {
+    if (c % perSpoke == 0)
+    {
+      this->Diagonal.push_back(others[c]);
+    }
+    else if (c % perSpoke > 1)
+    {
+      this->Outer.push_back(others[c]);
+    }
+  }
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(shape.sectors, shape.sectors);
+  this->FirstChange = leastChange(shape, this->First, this->FirstPoints, identity);
+  this->DiagonalChange = leastChange(shape, this->Diagonal, this->DiagonalPoints, identity);
+}
+
+void PccmRule::apply(std::vector<Vec3>& net) const
+{
+  applyChange(this->First, this->FirstPoints, this->FirstChange, net);
+  const int n = this->Shape.sectors;
+  const Vec3 p = net[0];
+  std::vector<Vec3> e, d;
+  for (int k = 0; k < n; ++k)
+  {
+    e.push_back(net[this->Shape.spoke(k, 1)] - p);
+    const Vec3 end = 0.5 * (net[this->Shape.spoke(k, 2)] + net[this->Shape.spoke(k, 3)]);
+    d.push_back((end - p - 3.0 * e.back()) / 3.0);
+  }
+  if (n % 2 == 0)
+  {
+    OrderFreeSum even, odd;
+    even.add(1.0, Vec3::Zero());
+    odd.add(1.0, Vec3::Zero());
+    for (int k = 0; k < n; ++k)
+    {
+      (k % 2 == 0 ? even : odd).add(1.0, d[k]);
+    }
+    const Vec3 alternating = (even.result(1.0) - odd.result(1.0)) / n;
+    for (int k = 0; k < n; ++k)
+    {
+      d[k] -= k % 2 == 0 ? alternating : Vec3(-alternating);
+    }
+  }
+  for (int k = 0; k < n; ++k)
+  {
+    net[this->Shape.spoke(k, 2)] = p + (2.0 * e[k] + d[k]);
+    net[this->Shape.spoke(k, 3)] = p + (4.0 * e[k] + 5.0 * d[k]);
+  }
+  applyChange(this->Diagonal, this->DiagonalPoints, this->DiagonalChange, net);
+  for (const JoinCondition& condition : this->Outer)
+  {
+    const Vec3 half = 0.5 * condition.defect(net);
+    net[condition.left] -= half;
+    net[condition.right] -= half;
+  }
+}
+
 void JoinRules::prepare(const LocalNetShape& shape)
 {
   const auto at = std::lower_bound(this->Rules.begin(), this->Rules.end(), shape,

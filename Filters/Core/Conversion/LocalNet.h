@@ -114,6 +114,25 @@ private:
   Eigen::MatrixXd FirstChange;
 };
 
+/// The explicit patches after Peters 2000 (PCCM, doi:10.1007/978-1-4471-0495-7_22), on closed fans of kind 3: with
+/// e_k the affinely regular part of c_1 - P and d_k = ((c_2 + c_3) / 2 - P - 3 e_k) / 3, for even n without its
+/// alternating part: c_1 = P + e, c_2 = P + 2 e + d, c_3 = P + 4 e + 5 d; f_11 nearest to the given ones under (b); l_i
+/// and r_i shifted by half the defect of (d).
+class PccmRule
+{
+public:
+  explicit PccmRule(const LocalNetShape& shape);
+  static bool fits(const LocalNetShape& shape);
+
+  void apply(std::vector<Vec3>& net) const;
+
+private:
+  LocalNetShape Shape;
+  std::vector<JoinCondition> First, Diagonal, Outer;
+  std::vector<int> FirstPoints, DiagonalPoints;
+  Eigen::MatrixXd FirstChange, DiagonalChange;
+};
+
 /// Rules by shape, each computed once: fill it before loops run in parallel.
 class JoinRules
 {

@@ -15,6 +15,15 @@ namespace bsv
 namespace
 {
 
+/// x_uv / |x_uv| of the body at a point; 0 where x_uv is nothing but rounding, whatever the scale of the parameters.
+Vec3 mixedDirection(const BodySurface& body, const BodyPoint& at)
+{
+  constexpr double Rounding = 1e-10;
+  const SurfaceDerivatives x = evaluate(body.patches()[at.patch].surface, at.u, at.v);
+  const double length = x.uv.norm();
+  return length * body.size() > Rounding * x.u.norm() * x.v.norm() ? Vec3(x.uv / length) : Vec3(Vec3::Zero());
+}
+
 bool bodyFoot(const ConversionContext& context, const Star& star, const Fan& fan, BodyFoot& foot)
 {
   const auto givenAt = [&](const std::map<int, Vec3>& given, Vec3& value) {
@@ -36,7 +45,7 @@ bool bodyFoot(const ConversionContext& context, const Star& star, const Fan& fan
     foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
     if (context.options.twist == Twist::Literal)
     {
-      foot.mixedDerivative = evaluate(context.options.body->patches()[closest.patch].surface, closest.u, closest.v).uv;
+      foot.mixedDirection = mixedDirection(*context.options.body, closest);
     }
     return geometry.normal.norm() > 0.0;
   }
@@ -79,7 +88,7 @@ bool sectorFoot(const ConversionContext& context, const Fan& points, int first, 
       foot = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
       if (context.options.twist == Twist::Literal)
       {
-        foot.mixedDerivative = evaluate(context.options.body->patches()[point.patch].surface, point.u, point.v).uv;
+        foot.mixedDirection = mixedDirection(*context.options.body, point);
       }
     }
   }
@@ -91,7 +100,9 @@ Fan smoothSurfaceFan(const ConversionContext& context, Star& star, const Fan& fa
   const std::vector<SpokeKeep>& keeps, bool body)
 {
   BodyFoot foot{ Vec3::Zero(), Vec3::Zero() };
-  star.hasFoot = body && fan.sectorCount() != 4 && bodyFoot(context, star, fan, foot);
+  // The patches of others keep the limit point.
+  const bool keepsLimit = context.options.twist == Twist::ACC || context.options.twist == Twist::PCCM;
+  star.hasFoot = body && !keepsLimit && fan.sectorCount() != 4 && bodyFoot(context, star, fan, foot);
   foot.regularOffsets = context.options.continuity == Continuity::ExactG1;
   return star.hasFoot ? projectedFan(fan, foot, context.options.twist)
                       : fadedFan(fan, context.options.twist, weights, keeps);
@@ -201,7 +212,7 @@ void convertSurface(const ConversionContext& context, Star& star)
         BodyFoot foot;
         if (body && !anyPlanar && size > 2 && sectorFoot(context, result, features[c], size, foot))
         {
-          projectGroup(result, features[c], size, foot, context.options.twist);
+          projectGroup(result, fan, features[c], size, foot, context.options.twist);
           star.hasFoot = true;
         }
       }

@@ -7,6 +7,7 @@
 #include "Wall/Displacements.h"
 #include "Wall/LimitRows.h"
 #include "Wall/WallPoints.h"
+#include "Wall/WallSamples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -72,6 +73,85 @@ WallDistances wallDistances(
   return result;
 }
 
+namespace
+{
+
+/// Least squares between the mesh points: each point moves by the mean, weighted by its B-spline, of what the samples
+/// around are off the body along its normals, which is 0 at the minimum (progressive-iterative approximation, Deng and
+/// Lin 2014); accelerated as in fitBody. Closest points are found anew in each round.
+void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& wall, const std::vector<Vec3>& given,
+  const BodySurface& body, const std::vector<Vec3>& target, const Execution& run, std::vector<Vec3>& x,
+  BodyFitReport& report)
+{
+  constexpr int Rounds = 3, Steps = 60;
+  // Of the averaging: from the highest to the lowest frequency on the mesh.
+  constexpr double Least = 0.02, Most = 1.05;
+  constexpr double Center = 0.5 * (Most + Least), HalfWidth = 0.5 * (Most - Least);
+  const WallSamples samples(complex, rows, wall, given);
+  const Index count = wall.size();
+  std::vector<Vec3> best = x;
+  for (int round = 0; round <= Rounds; ++round)
+  {
+    const std::vector<Vec3> at = samples.evaluate(x, run);
+    using Foot = std::array<double, 6>;
+    const std::vector<Foot> feet = sharedOut<Foot>(samples.size(), 256, run, [&](Index i) {
+      const BodyPoint closest = body.closestPoint(at[i]);
+      const Vec3 &y = closest.geometry.point, &n = closest.geometry.normal;
+      return Foot{ y[0], y[1], y[2], n[0], n[1], n[2] };
+    });
+    double largest = 0.0, squares = 0.0;
+    for (Index i = 0; i < samples.size(); ++i)
+    {
+      const double distance = (at[i] - Vec3(feet[i].data())).norm();
+      largest = std::max(largest, distance);
+      squares += distance * distance;
+    }
+    const double rms = samples.size() > 0 ? std::sqrt(squares / static_cast<double>(samples.size())) : 0.0;
+    if (round == 0)
+    {
+      report.sampleRms[0] = rms;
+      report.sampleDistance[0] = largest;
+    }
+    if (round == 0 || rms < report.sampleRms[1])
+    {
+      best = x;
+      report.sampleRms[1] = rms;
+      report.sampleDistance[1] = largest;
+    }
+    if (round == Rounds)
+    {
+      break;
+    }
+    std::vector<Vec3> step(count, Vec3::Zero());
+    double rho = HalfWidth / Center;
+    for (int k = 0; k < Steps; ++k)
+    {
+      run.ranks->together([&] { run.report(0.9); });
+      std::vector<Vec3> off = samples.evaluate(x, run);
+      for (Index i = 0; i < samples.size(); ++i)
+      {
+        const Vec3 n(feet[i].data() + 3);
+        off[i] = n.dot(Vec3(feet[i].data()) - off[i]) * n;
+      }
+      const std::vector<Vec3> mean = samples.average(off, count, run);
+      const double next = 1.0 / (2.0 * Center / HalfWidth - rho);
+      for (Index i = 0; i < count; ++i)
+      {
+        const Vec3 residual = samples.isFree(i) ? mean[i] : Vec3(target[i] - rows.apply(i, x));
+        step[i] = k == 0 ? Vec3(residual / Center) : Vec3(next * rho * step[i] + 2.0 * next / HalfWidth * residual);
+      }
+      rho = k == 0 ? rho : next;
+      for (Index i = 0; i < count; ++i)
+      {
+        x[i] += step[i];
+      }
+    }
+  }
+  x = best;
+}
+
+} // namespace
+
 BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
   const BodyFitOptions& options, const Execution& run)
 {
@@ -86,6 +166,10 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
   if (!(options.range >= 0.0))
   {
     throw Error("Propagation Range " + text(options.range) + " is not at least 0");
+  }
+  if (options.leastSquares && (!options.body || options.edgesOnly))
+  {
+    throw Error("Input Points LeastSquares needs a Body to fit the wall to");
   }
   if (options.edgesOnly && !options.body)
   {
@@ -196,6 +280,11 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     forAll([&](Index i) { x[i] += step[i]; });
     ++report.iterations;
     report.residual = measure();
+  }
+
+  if (options.leastSquares)
+  {
+    fitBetween(complex, rows, wall, given, *options.body, target, run, x, report);
   }
 
   Displacements displacements(complex, *run.ranks);

@@ -11,6 +11,8 @@
 #include "Conversion/EntityRules.h"
 #include "Mesh/GridView.h"
 
+#include <array>
+
 namespace bsv
 {
 
@@ -40,6 +42,10 @@ struct BodyFitOptions
   /// The given points are control points and stay so, except on creases, borders and corners: where these follow an
   /// edge of the body, their limit points are moved to it. Needs `body`.
   bool edgesOnly = false;
+  /// After that the wall is fitted to the body between its mesh points: least squares of the distances at 3 x 3 samples
+  /// a span. Mesh points are then approximated, not interpolated; creases, borders, corners and the points around
+  /// extraordinary vertices stay as they were found. Needs `body`, not with `edgesOnly`.
+  bool leastSquares = false;
   /// The iteration stops when no limit point is farther from its target than this fraction of the wall's bounding-box
   /// diagonal. Range (0, 1).
   double tolerance = 1e-13;
@@ -61,6 +67,9 @@ struct BodyFitReport
   double residual = 0.0;
   /// Largest displacement of a wall point.
   double displacement = 0.0;
+  /// With leastSquares: largest distance of a sample from the body, and root mean square, before and after.
+  std::array<double, 2> sampleDistance{ 0.0, 0.0 };
+  std::array<double, 2> sampleRms{ 0.0, 0.0 };
 };
 
 /// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it:

@@ -61,6 +61,26 @@ Vec3 LimitRows::apply(Index id, const std::vector<Vec3>& x) const
   }
 }
 
+Vec3 LimitRows::across(Index id, const std::vector<Vec3>& x) const
+{
+  const Row& row = this->Rows[id];
+  return row.kind == Kind::Tensor ? smoothMask(x[row.points[2]], x[id], x[row.points[3]]) : x[id];
+}
+
+Vec3 LimitRows::acrossSpoke(Index id, Index spoke, const std::vector<Vec3>& x) const
+{
+  const Row& row = this->Rows[id];
+  const std::size_t n = row.next;
+  if (row.kind == Kind::Ring)
+  {
+    const std::size_t i = std::find(row.points.begin(), row.points.begin() + n, spoke) - row.points.begin();
+    return smoothMask(x[row.points[(i + n - 1) % n]], x[id], x[row.points[(i + 1) % n]]);
+  }
+  // On a crease the vertex itself; from a crease into a smooth side the curve.
+  const bool alongCrease = std::find(row.points.begin(), row.points.end(), spoke) != row.points.end();
+  return row.kind == Kind::Curve && !alongCrease ? this->apply(id, x) : x[id];
+}
+
 double LimitRows::spacing(Index id, const std::vector<Vec3>& x) const
 {
   const Row& row = this->Rows[id];
@@ -206,7 +226,8 @@ ExtraordinaryFans::ExtraordinaryFans(const LimitRows& rows, Index points, Twist 
 
 void ExtraordinaryFans::setFoot(std::size_t fan, const SurfaceGeometry& geometry)
 {
-  this->HasFoot[fan] = geometry.normal.norm() > 0.0;
+  const bool keepsLimit = this->Rule == Twist::ACC || this->Rule == Twist::PCCM;
+  this->HasFoot[fan] = !keepsLimit && geometry.normal.norm() > 0.0;
   this->Feet[fan] = { geometry.point, geometry.normal, geometry.curvature, true, Vec3::Zero() };
 }
 

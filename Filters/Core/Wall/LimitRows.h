@@ -32,6 +32,11 @@ public:
 
   Vec3 apply(Index id, const std::vector<Vec3>& x) const;
 
+  /// The mask across the wall's edge that a point lies on, inside the edge: the point itself on creases and borders.
+  Vec3 across(Index id, const std::vector<Vec3>& x) const;
+  /// The mask across the edge that leaves vertex `id` towards its next point `spoke`, at the vertex.
+  Vec3 acrossSpoke(Index id, Index spoke, const std::vector<Vec3>& x) const;
+
   /// Mean distance to the next points, the local edge length.
   double spacing(Index id, const std::vector<Vec3>& x) const;
 

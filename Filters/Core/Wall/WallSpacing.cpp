@@ -102,6 +102,7 @@ public:
     this->findShared();
     this->Conversion.wallOnly = true;
     this->Conversion.continuity = Continuity::SingleKnots;
+    this->Conversion.twist = conversion.twist == Twist::PCCM ? Twist::SecondFundamentalForm : conversion.twist;
     this->Conversion.wallSpacingPoints.clear();
     for (const std::vector<double>& points : result.spacingPoints)
     {

@@ -115,7 +115,7 @@ TEST(BodyTwist, TableOfTheRules)
   const BodySurface bodies[2]{ BodySurface(bodycases::starPatches(Eigen::Matrix3d::Identity())),
     BodySurface(bodycases::starPatches(turn)) };
   const std::pair<Twist, const char*> rules[]{ { Twist::Literal, "Literal" }, { Twist::Parallelogram, "Parallelogram" },
-    { Twist::Mask, "Mask" }, { Twist::SecondFundamentalForm, "SecondFundamentalForm" } };
+    { Twist::Mask, "Mask" }, { Twist::ACC, "ACC" }, { Twist::SecondFundamentalForm, "SecondFundamentalForm" } };
   // Normal jumps of an implementation of the same rule written apart, on its own meshes, at 8 and 32 spans; 0: unknown.
   const double expected[2][2]{ { 0.39, 0.067 }, { 0.67, 0.0 } };
 
@@ -169,7 +169,16 @@ TEST(BodyTwist, TableOfTheRules)
     {
       EXPECT_LT(best[32].normalJump, 1.2 * expected[shape][1]);
     }
-    // The source's rule does not converge, and changes with the parametrisation.
+    // The thesis formulas: 6 to 12 degrees here, whatever the mesh.
+    for (const int cells : { 8, 16, 32 })
+    {
+      for (auto& ofBody : table)
+      {
+        EXPECT_GT(ofBody[Twist::Literal][cells].normalJump, 5.0);
+        EXPECT_LT(ofBody[Twist::Literal][cells].normalJump, 21.0);
+      }
+    }
+    // They do not converge, and change with the directions of the parameters.
     auto& literal = table[0][Twist::Literal];
     EXPECT_GT(literal[32].normalJump, 0.5 * literal[8].normalJump);
     EXPECT_GT(literal[32].normalJump, 5.0);
@@ -235,6 +244,40 @@ TEST(BodyTwist, CurvatureGivesTheExactCornerAtRegularVertices)
 
 // One body in two parametrisations, u running the other way in the second: the default must not see the difference, the
 // source's own rule does, because x_uv changes its sign.
+// The thesis formulas see the directions of the parameters, not their scale, and no twist on extruded surfaces.
+TEST(BodyTwist, ThesisFormulasDoNotSeeTheScaleOfTheParameters)
+{
+  const int cells = 6;
+  MeshCase mesh = starMesh(Cube, cells);
+  std::vector<BodyPatch> patches = bodycases::starPatches(Eigen::Matrix3d::Identity());
+  const BodySurface body(patches);
+  for (BodyPatch& patch : patches)
+  {
+    for (int d = 0; d < 2; ++d)
+    {
+      for (double& knot : patch.surface.knots[d])
+      {
+        knot *= d == 0 ? 1000.0 : 0.03;
+      }
+    }
+  }
+  const BodySurface scaled(patches);
+  std::vector<Converted> converted;
+  for (const BodySurface* b : { &body, &scaled })
+  {
+    ConversionOptions options = wallOptions(b);
+    options.twist = Twist::Literal;
+    converted.push_back(conversioncases::convert(mesh.mesh(), options));
+  }
+  for (std::size_t b = 0; b < converted[0].points.size(); ++b)
+  {
+    for (std::size_t i = 0; i < converted[0].points[b].size(); ++i)
+    {
+      EXPECT_NEAR(converted[0].points[b][i], converted[1].points[b][i], 1e-10);
+    }
+  }
+}
+
 TEST(BodyTwist, DefaultIsFreeOfTheParametrisationAndLiteralIsNot)
 {
   Eigen::Matrix3d matrix;
@@ -301,5 +344,7 @@ TEST(BodyTwist, DefaultIsFreeOfTheParametrisationAndLiteralIsNot)
   }
   ConversionOptions without = wallOptions();
   without.twist = Twist::Literal;
+  EXPECT_THROW(conversioncases::convert(mesh.mesh(), without), Error);
+  without.twist = Twist::PCCM;
   EXPECT_THROW(conversioncases::convert(mesh.mesh(), without), Error);
 }

@@ -520,3 +520,38 @@ TEST(ExactG1, RegularMeshesKeepTheirKnots)
   const Converted single = conversioncases::convert(mesh.mesh());
   EXPECT_TRUE(conversioncases::canonicalNet(converted) == conversioncases::canonicalNet(single));
 }
+
+// Fitted between its mesh points the wall is closer to the body than through them, and as smooth.
+TEST(ExactG1, LeastSquaresIsCloserThanInterpolation)
+{
+  const BodySurface body(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  double rms = 1.0;
+  for (const int cells : { 6, 12 })
+  {
+    for (const bool cut : { false, true })
+    {
+      MeshCase mesh = starMesh(Cube, cells, { 1.0, 1.1, 1.25 });
+      const ConversionOptions options = exact(&body);
+      BodyFitOptions fit;
+      fit.body = &body;
+      fit.leastSquares = true;
+      if (cut)
+      {
+        meshcases::shuffle(mesh, 3);
+      }
+      Converted converted;
+      converted.complex = buildBlockComplex(mesh.mesh());
+      const BodyFitReport report = fitBody(converted.complex, options, fit);
+      conversioncases::convertComplex(converted, options);
+      const Joins joins = measureJoins(converted);
+      std::printf("%2d spans: samples off by %.2e, RMS %.2e; before %.2e, RMS %.2e; wall %.2e\n", cells,
+        report.sampleDistance[1], report.sampleRms[1], report.sampleDistance[0], report.sampleRms[0],
+        measureWall(converted).distance);
+      EXPECT_LT(report.sampleRms[1], 0.6 * report.sampleRms[0]);
+      EXPECT_LE(joins.layers, 1e-8);
+      // The same bits for any numbering and orientation.
+      EXPECT_TRUE(!cut || report.sampleRms[1] == rms);
+      rms = report.sampleRms[1];
+    }
+  }
+}

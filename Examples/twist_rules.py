@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Converts one mesh by all rules for extraordinary edges and vertices, and draws their walls side by side.
+
+Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+    pvpython Examples/twist_rules.py                        a generated mesh around an ellipsoid
+    pvpython Examples/twist_rules.py --mesh wing.xyz --cad wing.igs --unit Metre --body WALL
+
+The stripes are those of a zebra: they are continuous where the wall's normal is, and smooth where its curvature is. The
+table says how large the jump of the normals is, how far the wall is from the body, and how many seconds it took.
+"""
+import tempfile
+import time
+
+import numpy as np
+from paraview import simple as pv
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
+
+import make_body_case
+from example_support import (body_patches, body_viewpoint, bounds, color_range, convert, data, load_plugin, look,
+                             parser, producer, read_mesh, save, show, surface, views)
+
+HEIGHT = 900
+STRIPES = 40.0
+RULES = (("thesis formulas (Literal)", {"Twist": "Literal"}),
+         ("Parallelogram", {"Twist": "Parallelogram"}),
+         ("ACC", {"Twist": "ACC"}),
+         ("SecondFundamentalForm", {}),
+         ("PCCM", {"Twist": "PCCM", "Continuity": "ExactG1"}),
+         ("exact G1", {"Continuity": "ExactG1"}))
+
+
+def parse_arguments():
+    arguments = parser(__doc__.split("\n")[0], "twist_rules.png")
+    arguments.add_argument("--cad", metavar="FILE", help="the body: IGES, STEP, BREP or .g2; needed with --mesh")
+    arguments.add_argument("--unit", default="As in File", help="length unit of the mesh (default: that of the file)")
+    arguments.add_argument("--zoom", type=float, default=1.0, help="larger shows less (default: 1)")
+    arguments.add_argument("--towards", type=float, nargs=3, metavar="X", help="direction from the body to the camera")
+    arguments.add_argument("--look-at", type=float, nargs=3, metavar="X", help="point in the middle of the pictures")
+    return arguments.parse_args()
+
+
+def read(arguments):
+    """Mesh and body."""
+    if arguments.mesh:
+        mesh = read_mesh(arguments)
+        body = pv.NURBSSurfaceReader(FileName=arguments.cad, LengthUnit=arguments.unit)
+        body.UpdatePipeline()
+        return mesh, body
+    load_plugin(arguments.plugin)
+    with tempfile.TemporaryDirectory() as folder:
+        mesh_file, body_file = make_body_case.write_case(folder)
+        mesh = pv.HexBlockMeshReader(FileName=mesh_file)
+        body = pv.NURBSSurfaceReader(FileName=body_file)
+        for source in (mesh, body):
+            source.UpdatePipeline()
+        return mesh, body
+
+
+def zebra(volume, patterns, towards):
+    """The sampled wall with stripes by the angle between its normal and a direction."""
+    wall = data(surface(body_patches(data(pv.BSplineVolumeSampler(Input=volume, Level=3)), patterns)))
+    normals = vtkPolyDataNormals()
+    normals.SetInputData(wall)
+    normals.SplittingOff()
+    normals.ConsistencyOff()
+    normals.Update()
+    result = normals.GetOutput()
+    n = vtk_to_numpy(result.GetPointData().GetNormals())
+    angles = np.arccos(np.clip(n @ (np.asarray(towards) / np.linalg.norm(towards)), -1.0, 1.0))
+    stripes = numpy_to_vtk(np.where(np.sin(STRIPES * angles) > 0.0, 1.0, 0.0), deep=True)
+    stripes.SetName("Zebra")
+    result.GetPointData().AddArray(stripes)
+    return producer(result)
+
+
+def main():
+    arguments = parse_arguments()
+    mesh, body = read(arguments)
+    layout, windows = views([name for name, _ in RULES], HEIGHT, rows=2)
+    print("%-28s %12s %12s %12s %9s" % ("rule", "jump, deg", "distance", "RMS", "seconds"))
+    towards = arguments.towards
+    for (name, properties), view in zip(RULES, windows):
+        start = time.perf_counter()
+        volume = convert(mesh, arguments, Body=body, **properties)
+        seconds = time.perf_counter() - start
+        patterns = list(volume.BodyBoundaries)
+        smoothness = pv.BSplineVolumeSmoothness(Input=volume)
+        borders = pv.Threshold(Input=pv.OutputPort(smoothness, 3), Scalars=["CELLS", "Kind"], LowerThreshold=1,
+                               UpperThreshold=1)
+        jumps = vtk_to_numpy(data(borders).GetPointData().GetArray("NormalJump"))
+        measured = pv.BodyDeviation(Input=volume, Body=body)
+        measured.UpdatePipeline()
+        measured.UpdatePropertyInformation()
+        print("%-28s %12.3g %12.3g %12.3g %9.2f" % (name, jumps.max(), measured.MaximumDistance, measured.RMSDistance,
+                                                  seconds))
+        towards = towards or list(body_viewpoint(body_patches(data(volume), patterns)))
+        stripes = zebra(volume, patterns, towards)
+        show(stripes, view, array=("POINTS", "Zebra"))
+        look(view, bounds(stripes), towards, zoom=1.4 * arguments.zoom, center=arguments.look_at)
+    colors = pv.GetColorTransferFunction("Zebra")
+    colors.RGBPoints = [0.0, 0.1, 0.1, 0.1, 1.0, 0.95, 0.95, 0.95]
+    color_range("Zebra", 0.0, 1.0)
+    for view in windows:
+        for bar in [r for r in view.Representations if "ScalarBar" in r.GetXMLName()]:
+            bar.Visibility = 0
+    save(arguments.output, layout, HEIGHT)
+
+
+if __name__ == "__main__":
+    main()

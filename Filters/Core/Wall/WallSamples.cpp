@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Wall/WallSamples.h"
+
+#include "Complex/EdgeFans.h"
+#include "Volume/BSplineVolume.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bsv
+{
+namespace
+{
+
+constexpr int PerSpan = WallSamples::PerSpan;
+
+/// Place of sample q in its span.
+double samplePlace(int q)
+{
+  return (q + 0.5) / PerSpan;
+}
+
+/// Clamped integer knots: the four B-splines at sample q of a span, of control points span .. span + 3.
+std::array<double, 4> clampedBasis(int cells, int span, int q)
+{
+  const double u = span + samplePlace(q);
+  const auto knot = [cells](int i) { return static_cast<double>(std::min(std::max(i - 3, 0), cells)); };
+  double left[4], right[4];
+  for (int j = 1; j <= 3; ++j)
+  {
+    left[j] = u - knot(span + 4 - j);
+    right[j] = knot(span + 3 + j) - u;
+  }
+  std::array<double, 4> values{};
+  basisFunctions(3, 0, left, right, values.data());
+  return values;
+}
+
+/// Uniform knots: those of mesh points span - 1 .. span + 2.
+std::array<double, 4> uniformBasis(int q)
+{
+  const double a = samplePlace(q), b = 1.0 - a;
+  return { b * b * b / 6.0, (3.0 * a * a * a - 6.0 * a * a + 4.0) / 6.0, (3.0 * b * b * b - 6.0 * b * b + 4.0) / 6.0,
+    a * a * a / 6.0 };
+}
+
+bool less(const Vec3& a, const Vec3& b)
+{
+  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+}
+
+} // namespace
+
+WallSamples::WallSamples(
+  const BlockComplex& complex, const LimitRows& rows, const Wall& wall, const std::vector<Vec3>& given)
+  : Rows(rows)
+  , Free(wall.size(), false)
+{
+  for (const int f : wall.faces())
+  {
+    const FaceUse& use = complex.faces[f].uses.front();
+    const ComplexBlock& owner = complex.blocks[use.block];
+    const int cells[2] = { owner.cells(faceAxis(use.face, 0)), owner.cells(faceAxis(use.face, 1)) };
+    // From the smallest corner on, first along the side with the smaller end.
+    int corner = 0;
+    const auto at = [&](int c) {
+      return given[wall.id(use.block, use.face, c & 1 ? cells[0] : 0, c & 2 ? cells[1] : 0)];
+    };
+    for (int c = 1; c < 4; ++c)
+    {
+      corner = less(at(c), at(corner)) ? c : corner;
+    }
+    const bool swap = less(at(corner ^ 2), at(corner ^ 1));
+    Face face;
+    face.ns = cells[swap ? 1 : 0];
+    face.nt = cells[swap ? 0 : 1];
+    for (int t = 0; t <= face.nt; ++t)
+    {
+      for (int s = 0; s <= face.ns; ++s)
+      {
+        const int u = swap ? t : s, v = swap ? s : t;
+        face.ids.push_back(wall.id(use.block, use.face, corner & 1 ? cells[0] - u : u, corner & 2 ? cells[1] - v : v));
+      }
+    }
+    this->Faces.push_back(std::move(face));
+  }
+  const auto key = [&](const Face& face, int n) {
+    return given[face.ids[n == 0 ? 0 : n == 1 ? 1 : n == 2 ? face.ns + 1 : static_cast<int>(face.ids.size()) - 1]];
+  };
+  std::sort(this->Faces.begin(), this->Faces.end(), [&](const Face& a, const Face& b) {
+    for (int n = 0; n < 4; ++n)
+    {
+      if (key(a, n) != key(b, n))
+      {
+        return less(key(a, n), key(b, n));
+      }
+    }
+    return false;
+  });
+  std::vector<int> spans(wall.size(), 0);
+  for (Face& face : this->Faces)
+  {
+    for (int t = 0; t < face.nt; ++t)
+    {
+      for (int s = 0; s < face.ns; ++s)
+      {
+        bool near = false;
+        for (int c = 0; c < 4; ++c)
+        {
+          const int cs = c & 1 ? face.ns : 0, ct = c & 2 ? face.nt : 0;
+          const int ds = c & 1 ? face.ns - 1 - s : s, dt = c & 2 ? face.nt - 1 - t : t;
+          near = near || (ds < 2 && dt < 2 && !rows.ring(face.id(cs, ct)).empty());
+        }
+        face.first.push_back(near ? -1 : this->Count);
+        this->Count += near ? 0 : PerSpan * PerSpan;
+        for (int c = 0; c < 4 && !near; ++c)
+        {
+          ++spans[face.id(s + (c & 1), t + (c >> 1))];
+        }
+      }
+    }
+  }
+  for (Index i = 0; i < wall.size(); ++i)
+  {
+    this->Free[i] = !rows.onFeature(i) && spans[i] == 4;
+  }
+}
+
+std::vector<Vec3> WallSamples::controlNet(const Face& face, const std::vector<Vec3>& x) const
+{
+  const int ns = face.ns, nt = face.nt;
+  std::vector<Vec3> net(std::size_t(ns + 3) * (nt + 3));
+  const auto put = [&](int s, int t) -> Vec3& { return net[s + std::size_t(ns + 3) * t]; };
+  for (int t = 1; t < nt; ++t)
+  {
+    for (int s = 1; s < ns; ++s)
+    {
+      put(s + 1, t + 1) = x[face.id(s, t)];
+    }
+  }
+  const auto insert = [](const Vec3& end, const Vec3& next) { return Vec3((2.0 * end + next) / 3.0); };
+  // Along the sides: the mask across them, and the first point inside.
+  for (int side = 0; side < 4; ++side)
+  {
+    const bool alongS = side < 2;
+    const int n = alongS ? ns : nt, m = alongS ? nt : ns, across = side % 2 ? m : 0, inner = side % 2 ? m - 1 : 1;
+    for (int k = 1; k < n; ++k)
+    {
+      const Index id = alongS ? face.id(k, across) : face.id(across, k);
+      const Vec3 end = this->Rows.across(id, x);
+      const Vec3 next = x[alongS ? face.id(k, inner) : face.id(inner, k)];
+      const int last = side % 2 ? m + 2 : 0, second = side % 2 ? m + 1 : 1;
+      (alongS ? put(k + 1, last) : put(last, k + 1)) = end;
+      (alongS ? put(k + 1, second) : put(second, k + 1)) = insert(end, next);
+    }
+  }
+  for (int c = 0; c < 4; ++c)
+  {
+    const int cs = c & 1 ? ns : 0, ct = c & 2 ? nt : 0, ds = c & 1 ? -1 : 1, dt = c & 2 ? -1 : 1;
+    const int ps = c & 1 ? ns + 2 : 0, pt = c & 2 ? nt + 2 : 0;
+    const Index v = face.id(cs, ct), alongS = face.id(cs + ds, ct), alongT = face.id(cs, ct + dt);
+    put(ps, pt) = this->Rows.apply(v, x);
+    put(ps + ds, pt) = insert(this->Rows.acrossSpoke(v, alongS, x), this->Rows.across(alongS, x));
+    put(ps, pt + dt) = insert(this->Rows.acrossSpoke(v, alongT, x), this->Rows.across(alongT, x));
+    put(ps + ds, pt + dt) = ((4.0 * x[v] + 2.0 * (x[alongS] + x[alongT])) + x[face.id(cs + ds, ct + dt)]) / 9.0;
+  }
+  return net;
+}
+
+std::vector<Vec3> WallSamples::evaluate(const std::vector<Vec3>& x, const Execution& run) const
+{
+  std::vector<Vec3> samples(this->Count);
+  run.parallelFor(static_cast<Index>(this->Faces.size()), 1, [&](Index begin, Index end) {
+    for (Index f = begin; f < end; ++f)
+    {
+      const Face& face = this->Faces[f];
+      const std::vector<Vec3> net = this->controlNet(face, x);
+      std::vector<std::array<std::array<double, 4>, PerSpan>> alongS(face.ns), alongT(face.nt);
+      for (int s = 0; s < face.ns; ++s)
+      {
+        for (int q = 0; q < PerSpan; ++q)
+        {
+          alongS[s][q] = clampedBasis(face.ns, s, q);
+        }
+      }
+      for (int t = 0; t < face.nt; ++t)
+      {
+        for (int q = 0; q < PerSpan; ++q)
+        {
+          alongT[t][q] = clampedBasis(face.nt, t, q);
+        }
+      }
+      for (int t = 0; t < face.nt; ++t)
+      {
+        for (int s = 0; s < face.ns; ++s)
+        {
+          const Index first = face.first[s + std::size_t(face.ns) * t];
+          for (int q = 0; q < PerSpan * PerSpan && first >= 0; ++q)
+          {
+            Vec3 sum = Vec3::Zero();
+            for (int b = 0; b < 4; ++b)
+            {
+              for (int a = 0; a < 4; ++a)
+              {
+                sum += (alongS[s][q % PerSpan][a] * alongT[t][q / PerSpan][b]) *
+                  net[s + a + std::size_t(face.ns + 3) * (t + b)];
+              }
+            }
+            samples[first + q] = sum;
+          }
+        }
+      }
+    }
+  });
+  return samples;
+}
+
+std::vector<Vec3> WallSamples::average(const std::vector<Vec3>& values, Index points, const Execution& run) const
+{
+  // Each face by itself, then the faces in their order.
+  std::vector<std::vector<std::pair<Vec3, double>>> parts(this->Faces.size());
+  run.parallelFor(static_cast<Index>(this->Faces.size()), 1, [&](Index begin, Index end) {
+    for (Index f = begin; f < end; ++f)
+    {
+      const Face& face = this->Faces[f];
+      parts[f].assign(face.ids.size(), { Vec3::Zero(), 0.0 });
+      for (int t = 0; t < face.nt; ++t)
+      {
+        for (int s = 0; s < face.ns; ++s)
+        {
+          const Index first = face.first[s + std::size_t(face.ns) * t];
+          for (int q = 0; q < PerSpan * PerSpan && first >= 0; ++q)
+          {
+            const std::array<double, 4> alongS = uniformBasis(q % PerSpan), alongT = uniformBasis(q / PerSpan);
+            for (int b = std::max(0, 1 - t); b < 4 && t - 1 + b <= face.nt; ++b)
+            {
+              for (int a = std::max(0, 1 - s); a < 4 && s - 1 + a <= face.ns; ++a)
+              {
+                const double weight = alongS[a] * alongT[b];
+                auto& part = parts[f][s - 1 + a + std::size_t(face.ns + 1) * (t - 1 + b)];
+                part.first += weight * values[first + q];
+                part.second += weight;
+              }
+            }
+          }
+        }
+      }
+    }
+  });
+  std::vector<Vec3> sums(points, Vec3::Zero());
+  std::vector<double> weights(points, 0.0);
+  for (std::size_t f = 0; f < this->Faces.size(); ++f)
+  {
+    for (std::size_t i = 0; i < parts[f].size(); ++i)
+    {
+      sums[this->Faces[f].ids[i]] += parts[f][i].first;
+      weights[this->Faces[f].ids[i]] += parts[f][i].second;
+    }
+  }
+  for (Index i = 0; i < points; ++i)
+  {
+    sums[i] = weights[i] > 0.0 ? Vec3(sums[i] / weights[i]) : Vec3(Vec3::Zero());
+  }
+  return sums;
+}
+
+} // namespace bsv
