@@ -1,32 +1,39 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Continuity ExactG1 through ParaView: no kinks at extraordinary curves, and all filters and the writer take the knots."""
+import math
 import os
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import bits, blocks, client, demo_mesh, field, main, simple, update, values
+from bsv_support import blocks, client, collection, failure, field, grid, main, producer, simple, update
 
-MESH = demo_mesh(6)
+
+def ring(valence=5, cells=5):
+    """Bent blocks around one extraordinary edge."""
+    spokes = [(math.cos(2 * math.pi * k / valence), math.sin(2 * math.pi * k / valence)) for k in range(valence + 1)]
+    spokes[valence] = spokes[0]
+
+    def place(sector, i, j, k):
+        (ax, ay), (bx, by) = spokes[sector], spokes[sector + 1]
+        x, y, z = i * ax + j * bx, i * ay + j * by, 1.0 * k
+        return x + 0.3 * math.sin(0.5 * y + 0.2 * z), y + 0.2 * math.cos(0.4 * x), z + 0.3 * math.sin(0.5 * x + 0.3 * y)
+
+    return producer(collection([grid((cells, cells, 4), lambda i, j, k, s=s: place(s, i, j, k))
+                                for s in range(valence)]))
+
+
+MESH = ring()
 SINGLE = simple.CatmullClarkToBSplineVolume(Input=MESH)
 EXACT = simple.CatmullClarkToBSplineVolume(Input=MESH, Continuity="ExactG1")
 
 
 def layer_jumps(volume):
-    """Largest kink along the extraordinary curves inside the volume."""
+    """Largest angle between the layers on both sides of an interface, degrees."""
     smoothness = simple.BSplineVolumeSmoothness(Input=volume)
     update(smoothness)
-    curves = client(smoothness).GetOutputDataObject(3)
-    kinds = values(curves.GetCellData().GetArray("Kind"))
-    jumps = values(curves.GetPointData().GetArray("NormalJump"))
-    worst = 0.0
-    for cell, kind in enumerate(kinds):
-        points = curves.GetCell(cell).GetPointIds()
-        if kind == 0:
-            for i in range(points.GetNumberOfIds()):
-                jump = jumps[points.GetId(i)]
-                worst = max(worst, max(jump) if isinstance(jump, tuple) else jump)
-    return worst
+    smoothness.UpdatePropertyInformation()
+    return smoothness.MaximumLayerJump
 
 
 def test_kinks_vanish():
@@ -50,10 +57,8 @@ def test_only_classes_with_extraordinary_neighbours_change():
 def test_all_filters_take_the_knots():
     quality = simple.BSplineVolumeQuality(Input=EXACT)
     update(quality)
-    quality.UpdatePropertyInformation()
-    assert quality.InvalidSpans == 0 if hasattr(quality, "InvalidSpans") else True
     update(simple.BSplineVolumeSampler(Input=EXACT, Level=1))
-    update(simple.BSplineVolumeToBezier(Input=EXACT))
+    update(simple.BSplineVolumeToBezierCells(Input=EXACT))
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "exact.qfmb")
         simple.SaveData(path, proxy=EXACT)
@@ -67,7 +72,6 @@ def test_all_filters_take_the_knots():
 
 def test_pccm_needs_double_knots():
     wrong = simple.CatmullClarkToBSplineVolume(Input=MESH, Twist="PCCM")
-    from bsv_support import failure
     assert "ExactG1" in failure(wrong)
     wrong.Continuity = "ExactG1"
     assert layer_jumps(wrong) < 1e-5
