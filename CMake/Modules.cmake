@@ -67,4 +67,6 @@ if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)
     PLUGINS ${bsv_plugins}
     INSTALL_HEADERS OFF
     LIBRARY_DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  # Which the readers look for beside their library.
+  add_dependencies(BSplineVolume BSplineVolumeReadFile)
 endif ()

@@ -174,34 +174,6 @@ void setContacts(vtkPartitionedDataSetCollection* volume, const bsv::BlockComple
   bsv::setWholeFaceContacts(volume, interfaces, boundaries, complex.boundaryNames, complex.boundaryTypes);
 }
 
-/// Says how many cells of the input are hidden: they are converted like all others. Collective.
-void tellHiddenCells(
-  const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const bsv::Ranks& ranks, bsv::BlockComplex& complex)
-{
-  std::array<bsv::Index, 2> mine{}; // cells, blocks
-  for (const auto& grid : grids)
-  {
-    vtkUnsignedCharArray* ghosts = grid ? grid->GetCellGhostArray() : nullptr;
-    const unsigned char* values = ghosts ? ghosts->GetPointer(0) : nullptr;
-    const bsv::Index hidden = !values ? 0
-                                      : std::count_if(values, values + ghosts->GetNumberOfValues(),
-                                          [](unsigned char flags) { return flags & vtkDataSetAttributes::HIDDENCELL; });
-    mine[0] += hidden;
-    mine[1] += hidden > 0;
-  }
-  std::array<bsv::Index, 2> all{};
-  for (const std::array<bsv::Index, 2>& other : ranks.gatherAll(std::vector<std::array<bsv::Index, 2>>{ mine }))
-  {
-    all[0] += other[0];
-    all[1] += other[1];
-  }
-  if (all[0] > 0)
-  {
-    complex.warnings.push_back(std::to_string(all[0]) + " cells in " + std::to_string(all[1]) +
-      " blocks are hidden (blanked): they are converted like all others.");
-  }
-}
-
 std::string triple(const char* separator, int a, int b, int c)
 {
   return std::to_string(a) + separator + std::to_string(b) + separator + std::to_string(c);
@@ -606,8 +578,6 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     {
       (finding.suspicious() ? complex.warnings : complex.notes).push_back(bsv::describe(mesh, finding));
     }
-
-    tellHiddenCells(meshGrids, ranks, complex);
 
     // The conversion.
     options.roles = bsv::boundaryRoles(complex, this->BodyBoundaries, this->SymmetryBoundaries);

@@ -143,7 +143,7 @@ void tellBlanked(const std::vector<bsv::GridBlock>& blocks, const bsv::Ranks& ra
   {
     warnings.push_back("iblank marks " + std::to_string(all[0]) + " points as blanked (0) and " +
       std::to_string(all[1]) + " as interpolated from other grids (negative), in " + std::to_string(all[2]) +
-      " of the blocks; the cells of blanked points are hidden, but belong to the mesh");
+      " of the blocks; the cells of blanked points are hidden, which the filters of this plugin leave out");
   }
 }
 

@@ -16,12 +16,19 @@
  * (ASCII: double). Field data of the collection, each array only if the file tells it (exact layout: HexBlockData.h):
  * - `Interfaces` (int, 12): contacts of block faces; their points were found to coincide;
  * - `Boundaries` (int, 3 or 7) and `BoundaryNames` (string): TYPE of the neutral map, or the CGNS family, else the
- *   type of the condition, else its name. CGNS contacts marked periodic make the boundary `Periodic`.
+ *   condition's own name, or its type if the name is but a number. CGNS contacts marked periodic make the boundary
+ *   `Periodic`;
+ * - `BoundaryTypes` (string): the CGNS type of the condition or else of its family, or what the word of a neutral map
+ *   stands for; `BCTypeUserDefined` where it is not known.
  *
- * Point data: `IBlank` (int) if a PLOT3D file has it.
+ * Point data: `IBlank` (int) if a PLOT3D file has it; the cells of blanked points are hidden (`vtkGhostType`).
  *
- * Whatever is wrong with a file ends in one error that names file, block, line or offset and value, sets the error code
- * and leaves the output empty. Sizes are checked against the file before memory is allocated.
+ * What the mesh does not need and contradicts it is left out with a warning that names it: boundaries on interfaces, on
+ * others, inside or outside of their block; CGNS bases of other dimensions. CGNS files are read in a process of their
+ * own, so that no damaged file ends this one.
+ *
+ * Whatever else is wrong with a file ends in one error that names file, block, line or offset and value, sets the error
+ * code and leaves the output empty. Sizes are checked against the file before memory is allocated.
  *
  * The blocks are shared out over the pieces that the pipeline asks for, which are the ranks of ParaView, by their
  * numbers of points (distributeBlocks() in Ranks.h). Every piece has all partitioned data sets, names and field data,

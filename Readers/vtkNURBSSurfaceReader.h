@@ -16,6 +16,10 @@
  * `DeclaredUnit`, `LengthUnit`, and `NotRead` with the names of what the file holds besides surfaces, beside the int
  * array `NotReadCount`; a warning says the same.
  *
+ * OpenCASCADE runs in a process of its own, so that no damaged file ends this one. Surfaces that the file hides (IGES
+ * blank status, STEP invisibility) are left out and counted, as are entities that cannot be read and on which no face
+ * depends.
+ *
  * A file that is damaged or holds no surface ends in one error that names the file (and the line, where the format has
  * lines), with the error code set and the output empty.
  *
