@@ -45,7 +45,7 @@ std::vector<std::array<int, 2>> wallFaces(const bsv::BSplineVolumeBlocks& input,
   std::vector<std::array<int, 2>> faces;
   for (const bsv::BoundaryPatch& patch : input.boundaries)
   {
-    if (bsv::matchesAny(patterns, input.boundaryNames[patch.tag]))
+    if (bsv::isBodyBoundary(patterns, input.boundaryNames, input.boundaryTypes, patch.tag))
     {
       faces.push_back({ patch.block, patch.face });
     }

@@ -18,7 +18,6 @@
 #include "vtkIntArray.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
-#include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
 
 #include <algorithm>
@@ -87,20 +86,6 @@ std::vector<const int*> blankArrays(const std::vector<vtkSmartPointer<vtkStructu
     arrays.push_back(array && array->GetNumberOfComponents() == 1 ? array->GetPointer(0) : nullptr);
   }
   return arrays;
-}
-
-/// The array `BoundaryTypes` of the root, or nothing.
-std::vector<std::string> boundaryTypes(vtkDataObject* input)
-{
-  auto* array = input && input->GetFieldData()
-    ? vtkStringArray::SafeDownCast(input->GetFieldData()->GetAbstractArray("BoundaryTypes"))
-    : nullptr;
-  std::vector<std::string> types;
-  for (vtkIdType n = 0; array && n < array->GetNumberOfValues(); ++n)
-  {
-    types.push_back(array->GetValue(n));
-  }
-  return types;
 }
 
 } // namespace
@@ -172,7 +157,7 @@ void vtkHexBlockMeshWriter::WriteData()
     options.bigEndian = this->ByteOrder == BIG_ENDIAN_ORDER;
     options.iblank = this->IBlank == WITH_IBLANK || (this->IBlank == AUTOMATIC_IBLANK && !run.ranks->any(!allBlanked));
 
-    bsv::MeshToWrite finest = bsv::meshToWrite(mesh, boundaryTypes(this->GetInput()), blanks, run);
+    bsv::MeshToWrite finest = bsv::meshToWrite(mesh, blanks, run);
     finest.lengthUnit = Metres[this->LengthUnit];
     notes = finest.notes;
     bsv::FileGroup files(run);

@@ -53,7 +53,7 @@ BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName);
 /// GoTools: all spline volumes (class 700); all else is counted and left out.
 BSplineVolumeFileContent parseG2Volumes(const std::string& text, const std::string& fileName);
 
-/// MFEM NURBS mesh v1.0 of hexahedral patches, in both of its forms.
+/// MFEM NURBS mesh v1.0 of hexahedral patches, in both of its forms, and v1.1, whose spacing functions are left out.
 ///
 /// - `patches`: every patch with its knot vectors and control points.
 /// - `knotvectors`: knot vectors shared through the section `edges`; weights and coordinates numbered over the whole
@@ -62,7 +62,8 @@ BSplineVolumeFileContent parseG2Volumes(const std::string& text, const std::stri
 ///   the element where it first appears) and inside every patch.
 ///
 /// A knot vector runs along an edge from the first vertex listed to the second. Interfaces are faces with the same
-/// four vertices; boundaries are named "boundary <attribute>", in ascending order of the attributes.
+/// four vertices; boundaries are named "boundary <attribute>", in ascending order of the attributes, unless a comment
+/// before the first section says "# boundary attribute <attribute>: <name>", and blocks likewise.
 ///
 /// Source: MFEM's documentation of its mesh formats (https://mfem.org/mesh-formats) and the meshes that come with it.
 BSplineVolumeFileContent parseMFEMMesh(const std::string& text, const std::string& fileName);

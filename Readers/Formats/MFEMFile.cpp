@@ -3,6 +3,8 @@
 #include "Formats/TextScanner.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <limits>
 #include <map>
 #include <set>
@@ -58,6 +60,7 @@ public:
   Parser(const std::string& text, const std::string& fileName)
     : In(text, fileName, '#')
   {
+    this->readNames(text);
   }
 
   BSplineVolumeFileContent parse()
@@ -123,6 +126,63 @@ private:
     Index firstAxisPoints = 0;
   };
 
+  /// Names of attributes, which our writer keeps in comments: "# boundary attribute 1: wall".
+  void readNames(const std::string& text)
+  {
+    static constexpr const char* Kinds[2] = { "# element attribute ", "# boundary attribute " };
+    for (std::size_t at = 0; at < text.size();)
+    {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      if (text[at] != '#' && text.compare(at, 4, "MFEM") != 0)
+      {
+        return; // they come first
+      }
+      for (int kind = 0; kind < 2; ++kind)
+      {
+        const std::string start = Kinds[kind];
+        if (text.compare(at, start.size(), start) == 0)
+        {
+          const std::string entry = text.substr(at + start.size(), end - at - start.size());
+          const std::size_t colon = entry.find(": ");
+          int attribute = 0;
+          const auto [stop, error] =
+            std::from_chars(entry.data(), entry.data() + std::min(colon, entry.size()), attribute);
+          if (colon != std::string::npos && error == std::errc() && stop == entry.data() + colon)
+          {
+            this->Names[kind][attribute] = entry.substr(colon + 2);
+          }
+        }
+      }
+      at = end + 1;
+    }
+  }
+
+  /// Spacing functions of version 1.1 tell how MFEM refines knot spans; the shape does not depend on them.
+  void skipSpacing()
+  {
+    this->keyword("spacing");
+    const int count = this->In.integer("the number of spacing functions", 0, std::numeric_limits<int>::max());
+    for (int n = 0; n < count; ++n)
+    {
+      this->In.integer("a knot vector", 0, std::numeric_limits<int>::max());
+      this->In.integer("a type of spacing", 0, std::numeric_limits<int>::max());
+      const int integers = this->In.integer("the number of integers", 0, 1 << 20);
+      const int reals = this->In.integer("the number of reals", 0, 1 << 20);
+      for (int i = 0; i < integers; ++i)
+      {
+        this->In.next<int>("an integer of a spacing function");
+      }
+      for (int i = 0; i < reals; ++i)
+      {
+        this->In.next<double>("a number of a spacing function");
+      }
+    }
+    if (count > 0)
+    {
+      this->Content.others.emplace_back("spacing function", count);
+    }
+  }
+
   void keyword(const char* expected)
   {
     const std::string word = this->In.word(expected);
@@ -147,9 +207,10 @@ private:
       this->In.fail("'" + title + "' has patches that do not meet face to face, which is not supported; only 'MFEM " +
         "NURBS mesh v1.0' is read");
     }
-    if (title != "MFEM NURBS mesh v1.0")
+    this->Spacing = title == "MFEM NURBS mesh v1.1";
+    if (title != "MFEM NURBS mesh v1.0" && !this->Spacing)
     {
-      this->In.fail("'" + title.substr(0, 60) + "' is not supported, only 'MFEM NURBS mesh v1.0'");
+      this->In.fail("'" + title.substr(0, 60) + "' is not supported, only 'MFEM NURBS mesh v1.0' and 'v1.1'");
     }
     this->keyword("dimension");
     const int dimension = this->In.integer("the dimension", 1, 3);
@@ -459,6 +520,10 @@ private:
     {
       knots = this->readKnotVector();
     }
+    if (this->Spacing)
+    {
+      this->skipSpacing();
+    }
     for (const Edge& edge : this->Edges)
     {
       if (edge.knotVector >= count)
@@ -680,7 +745,8 @@ private:
   {
     for (std::size_t b = 0; b < this->Elements.size(); ++b)
     {
-      this->Content.blocks[b].name = "Patch " + std::to_string(b + 1);
+      const auto named = this->Names[0].find(this->Elements[b].attribute);
+      this->Content.blocks[b].name = named != this->Names[0].end() ? named->second : "Patch " + std::to_string(b + 1);
       this->Content.blocks[b].attribute = this->Elements[b].attribute;
     }
     for (const Face& face : this->Faces)
@@ -704,7 +770,9 @@ private:
     for (auto& tag : tags)
     {
       tag.second = static_cast<int>(this->Content.boundaryNames.size());
-      this->Content.boundaryNames.push_back("boundary " + std::to_string(tag.first));
+      const auto named = this->Names[1].find(tag.first);
+      this->Content.boundaryNames.push_back(
+        named != this->Names[1].end() ? named->second : "boundary " + std::to_string(tag.first));
     }
     std::set<std::size_t> seen;
     int inner = 0;
@@ -738,6 +806,9 @@ private:
   }
 
   TextScanner In;
+  bool Spacing = false;
+  /// By attribute, of elements and of boundary elements.
+  std::array<std::map<int, std::string>, 2> Names;
   BSplineVolumeFileContent Content;
   std::vector<Element> Elements;
   std::vector<BoundaryElement> Boundary;

@@ -412,8 +412,7 @@ std::string MeshToWrite::label(std::size_t block) const
   return "block " + std::to_string(block) + " '" + this->blocks[block].name + "'";
 }
 
-MeshToWrite meshToWrite(const BlockMesh& mesh, const std::vector<std::string>& types,
-  const std::vector<const int*>& iblank, const Execution& run)
+MeshToWrite meshToWrite(const BlockMesh& mesh, const std::vector<const int*>& iblank, const Execution& run)
 {
   MeshToWrite result;
   const std::vector<char> left = gatherFromOwners<char>(
@@ -439,11 +438,7 @@ MeshToWrite meshToWrite(const BlockMesh& mesh, const std::vector<std::string>& t
     result.blocks.push_back(block);
   }
   result.boundaryNames = mesh.boundaryNames;
-  for (std::size_t n = 0; n < mesh.boundaryNames.size(); ++n)
-  {
-    const std::string type = n < types.size() ? types[n] : "";
-    result.boundaryTypes.push_back(type.empty() || type == "BCTypeNull" ? typeOfBoundary(mesh.boundaryNames[n]) : type);
-  }
+  result.boundaryTypes = completeTypes(mesh.boundaryNames, mesh.boundaryTypes);
   MeshPreparation(mesh, result).prepare(run);
   return result;
 }
@@ -517,6 +512,17 @@ std::string typeOfBoundary(const std::string& name)
     }
   }
   return matchesAny(defaultBodyBoundaries(), name) ? "BCWall" : "BCTypeUserDefined";
+}
+
+std::vector<std::string> completeTypes(const std::vector<std::string>& names, const std::vector<std::string>& types)
+{
+  std::vector<std::string> result;
+  for (std::size_t n = 0; n < names.size(); ++n)
+  {
+    const std::string type = n < types.size() ? types[n] : "";
+    result.push_back(type.empty() || type == "BCTypeNull" ? typeOfBoundary(names[n]) : type);
+  }
+  return result;
 }
 
 std::vector<std::string> allowedNames(

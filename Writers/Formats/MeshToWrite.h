@@ -78,10 +78,9 @@ struct MeshToWrite
 
 /// Takes the mesh apart. Interfaces that are not declared are found from coincident points; what of a declared boundary
 /// is in an interface is left out of it. Collective.
-/// @param types CGNS names per boundary name, or empty. @param iblank per block, null where there is none.
+/// @param iblank per block, null where there is none.
 /// @throws Error for ranges that leave their faces, and what buildBlockComplex() refuses.
-MeshToWrite meshToWrite(const BlockMesh& mesh, const std::vector<std::string>& types,
-  const std::vector<const int*>& iblank, const Execution& run);
+MeshToWrite meshToWrite(const BlockMesh& mesh, const std::vector<const int*>& iblank, const Execution& run);
 
 /// The mesh of every `step`-th point.
 /// @throws Error if the number of cells of a block, or an end of a contact or boundary, is no multiple of `step`.
@@ -90,6 +89,9 @@ MeshToWrite coarsened(const MeshToWrite& mesh, int step);
 /// The CGNS type of a boundary by its name: that type itself, what solvers and mesh generators call walls, symmetry
 /// planes, far fields, inflows and outflows; else BCTypeUserDefined.
 std::string typeOfBoundary(const std::string& name);
+
+/// A type for every name: the given one, or else that of the name.
+std::vector<std::string> completeTypes(const std::vector<std::string>& names, const std::vector<std::string>& types);
 
 /// Names that a format allows, in the order of `names`, all different: letters, digits and what `allowed` lists; others
 /// become underscores, and numbers are added to names that would be equal or longer than `longest`.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace bsv
 {
@@ -12,8 +13,24 @@ namespace bsv
 namespace
 {
 
+/// Per direction the number of parts of every non-empty span.
+using SpanParts = std::array<std::vector<int>, 3>;
+
+SpanParts partsOf(const SpanLevels& levels)
+{
+  SpanParts parts = levels;
+  for (std::vector<int>& direction : parts)
+  {
+    for (int& part : direction)
+    {
+      part = 1 << part;
+    }
+  }
+  return parts;
+}
+
 std::array<WeightTable, 3> weightTables(
-  const BSplineVolume& volume, const SpanLevels& levels, const std::array<int, 3>& derivative)
+  const BSplineVolume& volume, const SpanParts& parts, const std::array<int, 3>& derivative)
 {
   std::array<WeightTable, 3> tables;
   for (int d = 0; d < 3; ++d)
@@ -21,15 +38,13 @@ std::array<WeightTable, 3> weightTables(
     const int degree = volume.degree[d];
     const std::vector<double>& knots = volume.knots[d];
     const std::vector<int> spans = nonEmptySpans(degree, knots);
-    std::vector<int> parts;
     std::vector<int> partsOfSpan(knots.size(), 1);
     for (std::size_t n = 0; n < spans.size(); ++n)
     {
-      parts.push_back(1 << levels[d][n]);
-      partsOfSpan[spans[n]] = parts.back();
+      partsOfSpan[spans[n]] = parts[d][n];
     }
     // Only differences of neighbouring knots are used: they are what blocks share.
-    tables[d] = weightTable(degree, knots, parts, [&](int s, int part, double* values) {
+    tables[d] = weightTable(degree, knots, parts[d], [&](int s, int part, double* values) {
       const double fraction = static_cast<double>(part) / partsOfSpan[s];
       const double length = knots[s + 1] - knots[s];
       double left[MaxDegree + 1];
@@ -48,7 +63,7 @@ std::array<WeightTable, 3> weightTables(
 }
 
 /// Quotient rule on the samples of the numerator and of the denominator.
-void sampleRational(const BSplineVolume& volume, const SpanLevels& levels, const std::array<int, 3>& derivative,
+void sampleRational(const BSplineVolume& volume, const SpanParts& parts, const std::array<int, 3>& derivative,
   double* samples, const Execution& run)
 {
   const std::vector<double> net = homogeneousNet(volume);
@@ -63,7 +78,11 @@ void sampleRational(const BSplineVolume& volume, const SpanLevels& levels, const
       }
     }
   }
-  const std::array<int, 3> counts = sampleCounts(levels, "volume");
+  std::array<int, 3> counts;
+  for (int d = 0; d < 3; ++d)
+  {
+    counts[d] = std::accumulate(parts[d].begin(), parts[d].end(), 1);
+  }
   const Index size = 4 * Index(counts[0]) * counts[1] * counts[2];
   // x, y, z of the derivatives of the volume, w those of the denominator.
   std::vector<std::vector<double>> values(lower.size());
@@ -73,7 +92,7 @@ void sampleRational(const BSplineVolume& volume, const SpanLevels& levels, const
     part.progress = [&](double fraction) { return run.progress((n + fraction) / lower.size()); };
     values[n].resize(size);
     tensorPasses({ { volume.count(0), volume.count(1), volume.count(2) }, 4, net.data() },
-      weightTables(volume, levels, lower[n]), values[n].data(), part);
+      weightTables(volume, parts, lower[n]), values[n].data(), part);
     for (std::size_t m = 1; m <= n; ++m)
     {
       // With orders 0 and 1 all binomial coefficients are 1.
@@ -102,6 +121,20 @@ void sampleRational(const BSplineVolume& volume, const SpanLevels& levels, const
   for (Index i = 0; i < size; i += 4)
   {
     samples = std::copy_n(values.back().data() + i, 3, samples);
+  }
+}
+
+void sampleParts(const BSplineVolume& volume, const SpanParts& parts, const std::array<int, 3>& derivative,
+  double* samples, const Execution& run)
+{
+  if (volume.weights)
+  {
+    sampleRational(volume, parts, derivative, samples, run);
+  }
+  else
+  {
+    tensorPasses({ { volume.count(0), volume.count(1), volume.count(2) }, 3, volume.points },
+      weightTables(volume, parts, derivative), samples, run);
   }
 }
 
@@ -181,21 +214,23 @@ void sample(const BSplineVolume& volume, const SpanLevels& levels, const std::ar
       throw Error("samples of derivative order " + std::to_string(order) + " are not available, only 0 and 1");
     }
   }
-  if (volume.weights)
-  {
-    sampleRational(volume, levels, derivative, samples, run);
-  }
-  else
-  {
-    tensorPasses({ { volume.count(0), volume.count(1), volume.count(2) }, 3, volume.points },
-      weightTables(volume, levels, derivative), samples, run);
-  }
+  sampleParts(volume, partsOf(levels), derivative, samples, run);
 }
 
 void sample(
   const BSplineVolume& volume, int level, const std::array<int, 3>& derivative, double* samples, const Execution& run)
 {
   sample(volume, uniformLevels(volume, level, "volume"), derivative, samples, run);
+}
+
+void sampleEqually(const BSplineVolume& volume, int parts, double* samples, const Execution& run)
+{
+  SpanParts all = uniformLevels(volume, 0, "volume");
+  for (std::vector<int>& direction : all)
+  {
+    std::fill(direction.begin(), direction.end(), parts);
+  }
+  sampleParts(volume, all, { 0, 0, 0 }, samples, run);
 }
 
 } // namespace bsv

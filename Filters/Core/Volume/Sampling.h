@@ -51,4 +51,7 @@ void sample(const BSplineVolume& volume, int level, const std::array<int, 3>& de
 void sample(const BSplineVolume& volume, const SpanLevels& levels, const std::array<int, 3>& derivative,
   double* samples, const Execution& run = {});
 
+/// Values with every non-empty span cut into `parts` equal parts, any number from 1: n spans give n parts + 1 samples.
+void sampleEqually(const BSplineVolume& volume, int parts, double* samples, const Execution& run = {});
+
 } // namespace bsv

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkBSplineVolumeWriter.h"
+
+#include "Data/BSplineVolumeData.h"
+#include "Data/NURBSSurfaceData.h"
+#include "Execution/FilterExecution.h"
+#include "Formats/CellFormats.h"
+#include "Formats/MeshToWrite.h"
+#include "Formats/NURBSSurfaceFile.h"
+#include "Formats/VolumeFormats.h"
+#include "IO/FileParts.h"
+#include "Volume/VolumeInterfaces.h"
+#include "WriteTogether.h"
+
+#include "vtkDataObject.h"
+#include "vtkDataObjectTree.h"
+#include "vtkDataObjectTreeIterator.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkObjectFactory.h"
+#include "vtkSmartPointer.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+vtkStandardNewMacro(vtkBSplineVolumeWriter);
+
+namespace
+{
+
+/// Whether the input is a body of NURBS surfaces: leaves with knots in two directions only.
+bool isSurface(vtkDataObject* input)
+{
+  const auto test = [](vtkDataObject* leaf) {
+    vtkFieldData* fields = leaf ? leaf->GetFieldData() : nullptr;
+    return fields && fields->HasArray("KnotsV") && !fields->HasArray("KnotsW");
+  };
+  auto* tree = vtkDataObjectTree::SafeDownCast(input);
+  if (!tree)
+  {
+    return test(input);
+  }
+  const auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
+  leaves->VisitOnlyLeavesOn();
+  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
+  {
+    if (test(leaves->GetCurrentDataObject()))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+bsv::VolumeToWrite volumeToWrite(const bsv::BSplineVolumeBlocks& blocks, const bsv::Execution& run)
+{
+  bsv::VolumeToWrite volume;
+  volume.volumes = blocks.volumes;
+  volume.names = blocks.names;
+  for (std::size_t b = 0; b < blocks.volumes.size(); ++b)
+  {
+    volume.parents.push_back(static_cast<int>(b));
+  }
+  volume.interfaces = blocks.interfaces;
+  volume.boundaries = blocks.boundaries;
+  volume.boundaryNames = blocks.boundaryNames;
+  volume.boundaryTypes = bsv::completeTypes(blocks.boundaryNames, blocks.boundaryTypes);
+  if (!blocks.hasInterfaces)
+  {
+    bsv::VolumeInterfaceOptions options;
+    options.boundaries = blocks.boundaries;
+    options.blockName = [&](int block) { return blocks.label(block); };
+    volume.interfaces = bsv::findVolumeInterfaces(blocks.volumes, options, run);
+  }
+  bsv::completeVolume(volume, run);
+  return volume;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << this->FileName << "\n";
+  os << indent << "CellOrder: " << this->CellOrder << "\n";
+  os << indent << "GmshVersion: " << (this->GmshVersion == GMSH_2_2 ? "2.2" : "4.1") << "\n";
+}
+
+//------------------------------------------------------------------------------
+int vtkBSplineVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Remove(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE());
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkBSplineVolumeWriter::WriteData()
+{
+  const bsv::Execution run = bsv::filterExecution(this);
+  std::vector<std::string> notes;
+  this->SetErrorCode(bsv::writeTogether(this, this->FileName, *run.ranks, [&] {
+    std::string extension = std::filesystem::path(this->FileName).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+      [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+    const bool cells = extension == ".msh" || extension == ".h5" || extension == ".cgns";
+    if (!cells && extension != ".mesh" && extension != ".xml" && extension != ".g2")
+    {
+      throw bsv::Error("File Name '" + this->FileName + "': the extension must be mesh, xml, g2, msh, h5 or cgns");
+    }
+    if (extension == ".g2" && run.ranks->any(isSurface(this->GetInput())))
+    {
+      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(this->GetInput(), *run.ranks);
+      run.ranks->together([&] {
+        if (run.ranks->rank() == 0)
+        {
+          bsv::writeNURBSSurfaceFile(patches, this->FileName);
+        }
+      });
+      return;
+    }
+    const bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(this->GetInput(), *run.ranks);
+    if (blocks.volumes.empty())
+    {
+      throw bsv::Error("there is no block to write");
+    }
+    const bsv::VolumeToWrite volume = volumeToWrite(blocks, run);
+    if (extension != ".g2")
+    {
+      notes = volume.notes;
+    }
+    bsv::FileGroup files(run);
+    bsv::AtomicFile& file = files.add(this->FileName);
+    if (extension == ".mesh")
+    {
+      bsv::writeMFEM(volume, file, run, notes);
+    }
+    else if (extension == ".xml")
+    {
+      bsv::writeGismo(volume, file, run);
+    }
+    else if (extension == ".g2")
+    {
+      bsv::writeG2Volumes(volume, file, run);
+    }
+    else
+    {
+      const bsv::CurvedCells curved(volume, this->CellOrder);
+      if (!curved.exact(*run.ranks))
+      {
+        notes.push_back("cells of order " + std::to_string(this->CellOrder) +
+          " interpolate the volume, which has higher degrees or weights; they are not exact");
+      }
+      if (extension == ".msh")
+      {
+        bsv::writeGmsh(curved, file, this->GmshVersion == GMSH_2_2 ? bsv::GmshVersion::V2 : bsv::GmshVersion::V4, run);
+      }
+      else if (extension == ".h5")
+      {
+        bsv::writeHOPR(curved, file, run);
+      }
+      else
+      {
+        bsv::writeCGNSCells(curved, file, 0.0, run, notes);
+      }
+    }
+    files.publish();
+  }));
+  if (this->GetErrorCode() == 0)
+  {
+    bsv::warn(this, notes);
+  }
+}
