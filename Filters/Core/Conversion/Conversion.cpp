@@ -6,6 +6,7 @@
 #include "Conversion/EdgeConversion.h"
 #include "Conversion/FaceConversion.h"
 #include "Conversion/G1Joins.h"
+#include "Conversion/SpanRepair.h"
 #include "Conversion/SurfaceConversion.h"
 #include "Conversion/VertexConversion.h"
 #include "Mesh/BlockSurface.h"
@@ -350,6 +351,10 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
   report.planarFaces = rules.planarFaces;
   layer.describe(report);
   countAll(context, singularNodes, run, report);
+  if (!options.wallOnly && options.continuity != Continuity::ExactG1)
+  {
+    report.spans = checkSpans(context, run);
+  }
   return report;
 }
 

@@ -76,6 +76,16 @@ enum class FarFieldSpacing : std::uint8_t
   PerVertex
 };
 
+/// Which spans are certified after the conversion (SpanRepair.h).
+enum class CheckSpans : std::uint8_t
+{
+  None,
+  /// Those with control points made by other rules than copying, knot insertion and its limits (extraordinary edges and
+  /// vertices, creases, corners, a first layer elsewhere than at a third of its cell), or from moved mesh points.
+  SpecialRules,
+  All
+};
+
 struct ConversionOptions
 {
   /// Role per entry of BlockComplex::boundaryNames; missing entries are Other.
@@ -115,6 +125,10 @@ struct ConversionOptions
   /// Compute only control points on faces, edges and vertices that touch blocks at the wall, and leave all others as
   /// they are; no far-field spacing, no counts.
   bool wallOnly = false;
+  CheckSpans checkSpans = CheckSpans::SpecialRules;
+  /// Mesh points near spans that come out invalid although their mesh cells are valid are moved until the spans are
+  /// valid or nothing more can be done. Points of the body never move.
+  bool repairSpans = true;
 };
 
 /// Knots of the blocks that a conversion makes, per block and direction: {0,0,0,0,1,2,..,I-1,I,I,I,I}, with ExactG1
@@ -144,6 +158,31 @@ struct G1Report
   Index linearVertices = 0;
 };
 
+/// What became of the checked spans. Places are a block of the complex and a cell of it.
+struct SpanReport
+{
+  struct Place
+  {
+    int block;
+    Ijk cell;
+  };
+  Index checked = 0;
+  /// Not proven valid although the mesh cell is, before the repair; and valid after it.
+  Index failed = 0;
+  Index repaired = 0;
+  /// Left after the repair: proven invalid, or not decided; and where, by block and cell.
+  Index invalid = 0;
+  Index undecided = 0;
+  std::vector<Place> left;
+  /// Not proven valid, and the mesh cell is not valid either: left alone.
+  Index invalidCells = 0;
+  Index movedPoints = 0;
+  /// Largest move, as a length and in cells.
+  double largestMove = 0.0;
+  double largestMoveInCells = 0.0;
+  int sweeps = 0;
+};
+
 struct ConversionReport
 {
   /// Counted once per block that holds them.
@@ -157,6 +196,7 @@ struct ConversionReport
   /// Smallest and largest c at the wall.
   std::array<double, 2> wallSpacing{ 2.0 / 3.0, 2.0 / 3.0 };
   G1Report g1;
+  SpanReport spans;
 };
 
 /// Converts every block. `nets` has one entry per block of the complex. Collective: every rank converts its own blocks

@@ -18,6 +18,7 @@
 #include "Conversion/EntityRules.h"
 #include "Conversion/FirstLayer.h"
 #include "Conversion/LayerRules.h"
+#include "Conversion/MovedPoints.h"
 
 #include <algorithm>
 #include <map>
@@ -69,11 +70,18 @@ struct ConversionContext
   const FirstLayer& layer;
   const GivenFeet& given;
   const LayerCorrections& corrections;
+  /// If not null, what the rules read in place of the mesh points; all decisions are those of the mesh.
+  const MovedPoints* moved = nullptr;
 
   bool isHere(int block) const { return this->complex.blocks[block].rank == this->rank; }
   bool isWall(int face) const
   {
     return this->complex.faces[face].boundary() && this->rules.faces[face].role == BoundaryRole::Body;
+  }
+  Vec3 point(int block, const Ijk& ijk) const
+  {
+    const Vec3 x = this->complex.blocks[block].points(ijk);
+    return this->moved ? this->moved->at(block, ijk, x) : x;
   }
   Index index(int block, const Ijk& position) const
   {

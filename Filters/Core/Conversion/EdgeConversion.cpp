@@ -52,14 +52,14 @@ Fan meshFan(const ConversionContext& context, const EdgeFan& fan, int k)
   for (const FanSector& sector : fan.sectors)
   {
     const ComplexBlock& owner = context.complex.blocks[sector.block];
-    result.center = owner.points(sector.point(owner, k, 0, 0));
-    result.spokes.push_back(owner.points(sector.point(owner, k, 1, 0)));
-    result.sectors.push_back(owner.points(sector.point(owner, k, 1, 1)));
+    result.center = context.point(sector.block, sector.point(owner, k, 0, 0));
+    result.spokes.push_back(context.point(sector.block, sector.point(owner, k, 1, 0)));
+    result.sectors.push_back(context.point(sector.block, sector.point(owner, k, 1, 1)));
   }
   if (!fan.closed)
   {
-    const ComplexBlock& owner = context.complex.blocks[fan.sectors.back().block];
-    result.spokes.push_back(owner.points(fan.sectors.back().point(owner, k, 0, 1)));
+    const FanSector& last = fan.sectors.back();
+    result.spokes.push_back(context.point(last.block, last.point(context.complex.blocks[last.block], k, 0, 1)));
   }
   return result;
 }
@@ -187,6 +187,11 @@ Fan controlFan(const ConversionContext& context, int edge, const EdgeFan& fan, i
 
 void convertEdge(const ConversionContext& context, int edge)
 {
+  convertEdgeLayers(context, edge, 1, context.complex.edges[edge].cells);
+}
+
+void convertEdgeLayers(const ConversionContext& context, int edge, int begin, int end)
+{
   const ComplexEdge& shared = context.complex.edges[edge];
   const EdgeRule& edgeRule = context.rules.edges[edge];
   for (const EdgeFan& fan : edgeRule.fans)
@@ -201,7 +206,7 @@ void convertEdge(const ConversionContext& context, int edge)
       return ordinary && (weightFirst != KnotInsertion || weightSecond != KnotInsertion) ? layerRule(connection)
                                                                                          : edgeRule.rule;
     };
-    for (int k = 1; k < shared.cells; ++k)
+    for (int k = begin; k < end; ++k)
     {
       const std::vector<double> weights = nearWeights(context, fan, k);
       const Fan values = controlFan(context, edge, fan, k);

@@ -9,6 +9,8 @@ namespace bsv
 {
 
 void convertEdge(const ConversionContext& context, int edge);
+/// Layers begin to end - 1 of it; mesh points 0 and cells belong to the vertices.
+void convertEdgeLayers(const ConversionContext& context, int edge, int begin, int end);
 
 /// Control points of layer k, before the rule along the edge. `base` is the neighbouring wall or connection layer, or
 /// -1. If the spacing c varies over it, each point is moved along its mesh line so that applying the edge's c gives the

@@ -73,6 +73,15 @@ void convertBlock(const ConversionContext& context, int block, int slab, bool st
 
 void convertFace(const ConversionContext& context, int face)
 {
+  const FaceUse& use = context.complex.faces[face].uses.front();
+  const ComplexBlock& owner = context.complex.blocks[use.block];
+  convertFacePoints(
+    context, face, { 1, 1 }, { owner.cells(faceAxis(use.face, 0)), owner.cells(faceAxis(use.face, 1)) });
+}
+
+void convertFacePoints(
+  const ConversionContext& context, int face, const std::array<int, 2>& begin, const std::array<int, 2>& end)
+{
   const ComplexFace& shared = context.complex.faces[face];
   const FaceRule& faceRule = context.rules.faces[face];
   const std::vector<double>& keeps = context.keeps[face];
@@ -96,7 +105,24 @@ void convertFace(const ConversionContext& context, int face)
     FaceUse use;
     Plane mesh, control;
 
-    Vec3 at(int s, int t, int depth) const { return this->points->atOffset(this->mesh(s, t, depth)); }
+    const MovedPoints* moved;
+    /// Of (s, t), from the face's first block.
+    int orientation;
+    std::array<int, 2> ends;
+
+    Vec3 at(int s, int t, int depth) const
+    {
+      const Vec3 x = this->points->atOffset(this->mesh(s, t, depth));
+      if (!this->moved)
+      {
+        return x;
+      }
+      const std::array<int, 2> st = mapFacePoint(this->orientation, s, t, this->ends[0], this->ends[1]);
+      const ComplexBlock& owner = this->moved->complex.blocks[this->use.block];
+      Ijk ijk = facePoint({ owner.cells(0), owner.cells(1), owner.cells(2) }, this->use.face, st[0], st[1]);
+      ijk[faceDirection(this->use.face)] += faceSide(this->use.face) ? -depth : depth;
+      return this->moved->at(this->use.block, ijk, x);
+    }
     void write(int s, int t, int fromEnd, const Vec3& point, ControlPointRule rule) const
     {
       if (!this->here)
@@ -148,7 +174,8 @@ void convertFace(const ConversionContext& context, int face)
       ijk[normal] = endPosition(faceSide(use.face), fromEnd, cells[normal]);
       return context.index(use.block, ijk);
     });
-    sides.push_back({ &owner.points, &context.nets[use.block], context.isHere(use.block), use, mesh, control });
+    sides.push_back({ &owner.points, &context.nets[use.block], context.isHere(use.block), use, mesh, control,
+      context.moved, orientation, { ns, nt } });
   }
 
   const Side& first = sides.front();
@@ -168,9 +195,9 @@ void convertFace(const ConversionContext& context, int face)
     side.write(
       s, t, 1, insertMask(own, above, near), regular ? ControlPointRule::Regular : layerRule(faceRule.connection));
   };
-  for (int t = 1; t < nt; ++t)
+  for (int t = begin[1]; t < end[1]; ++t)
   {
-    for (int s = 1; s < ns; ++s)
+    for (int s = begin[0]; s < end[0]; ++s)
     {
       const Vec3 own = first.at(s, t, 0);
       const Vec3 inner = first.at(s, t, 1);

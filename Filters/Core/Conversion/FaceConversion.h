@@ -13,5 +13,8 @@ void convertBlock(const ConversionContext& context, int block, int slab, bool st
 void endStream();
 
 void convertFace(const ConversionContext& context, int face);
+/// Points (s, t) from `begin` on and before `end` of it, in the axes of its first use; the others belong to edges.
+void convertFacePoints(
+  const ConversionContext& context, int face, const std::array<int, 2>& begin, const std::array<int, 2>& end);
 
 } // namespace bsv

@@ -24,6 +24,33 @@ Ijk cornerPoint(const ComplexBlock& owner, int corner, int steps)
   return point;
 }
 
+/// Points of the star as ConversionContext::moved has them.
+void takeMovedPoints(const ConversionContext& context, Star& star)
+{
+  for (const VertexStar::Edge& edge : star.edges)
+  {
+    star.meshEdges.push_back(edge.point);
+  }
+  for (VertexStar::Block& block : star.blocks)
+  {
+    const ComplexBlock& owner = context.complex.blocks[block.block];
+    const auto take = [&](Vec3& point, int steps) {
+      const Ijk ijk = cornerPoint(owner, block.corner, steps);
+      if (owner.points.has(ijk))
+      {
+        point = context.point(block.block, ijk);
+      }
+    };
+    take(star.point, 0);
+    take(block.point, 7);
+    for (int d = 0; d < 3; ++d)
+    {
+      take(star.edges[block.edges[d]].point, 1 << d);
+      take(star.faces[block.faces[d]].point, 7 & ~(1 << d));
+    }
+  }
+}
+
 /// Moves points of faces and blocks as controlFan() does.
 void adjustStar(const ConversionContext& context, Star& star)
 {
@@ -91,6 +118,10 @@ Star makeStar(const ConversionContext& context, int vertex)
   Star star;
   static_cast<VertexStar&>(star) = vertexStar(context.complex, vertex);
   star.vertex = vertex;
+  if (context.moved)
+  {
+    takeMovedPoints(context, star);
+  }
   star.boundary = context.complex.vertices[vertex].boundary;
   star.center = star.point;
   const std::size_t edges = star.edges.size();
@@ -225,8 +256,8 @@ StackAxes stackAxes(const ConversionContext& context, const Star& star)
   // Otherwise two stacks of the same blocks around two edges without a common face, of the same kind. Where several
   // axes will do, the one with the smallest point is taken, whatever the numbering.
   const auto before = [&](int a, int b) {
-    const Vec3& p = star.edges[a].point;
-    const Vec3& q = star.edges[b].point;
+    const Vec3& p = star.meshEdges.empty() ? star.edges[a].point : star.meshEdges[a];
+    const Vec3& q = star.meshEdges.empty() ? star.edges[b].point : star.meshEdges[b];
     return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
   };
   const bool single = axes.up >= 0;

@@ -23,6 +23,8 @@ struct Star : VertexStar
   };
 
   int vertex = -1;
+  /// Where the mesh has the star edges' points, if they are moved.
+  std::vector<Vec3> meshEdges;
   bool boundary = false;
   /// Whether it lies in the connection layer of a far-field extension.
   bool connection = false;

@@ -104,6 +104,8 @@ struct Chunk
   const JacobianArrays& arrays;
   JacobianReport report;
 
+  /// The span of an entry of the arrays.
+  Index span(Index entry) const { return this->options.spans ? (*this->options.spans)[entry] : entry; }
   Ijk ijk(Index span) const
   {
     const Index n0 = static_cast<Index>(this->directions[0].spans.size());
@@ -135,17 +137,17 @@ public:
 
   void operator()(Index begin, Index end)
   {
-    for (Index span = begin; span < end; span += this->Batch.lanes)
+    for (Index entry = begin; entry < end; entry += this->Batch.lanes)
     {
-      const int used = static_cast<int>(std::min<Index>(this->Batch.lanes, end - span));
+      const int used = static_cast<int>(std::min<Index>(this->Batch.lanes, end - entry));
       for (int l = 0; l < this->Batch.lanes; ++l)
       {
-        this->fill(l, span + std::min(l, used - 1)); // spare lanes repeat the last span
+        this->fill(l, this->Work.span(entry + std::min(l, used - 1))); // spare lanes repeat the last span
       }
       this->Batch.compute();
       for (int l = 0; l < used; ++l)
       {
-        this->judge(l, span + l);
+        this->judge(l, entry + l);
       }
     }
   }
@@ -258,7 +260,7 @@ private:
         this->Batch.weights[d][q * lanes + l] = weights[o.flip[d] ? n * n - 1 - q : q];
       }
     }
-    this->Batch.sign[l] = o.sign();
+    this->Batch.sign[l] = this->Work.options.leftHanded ? -o.sign() : o.sign();
   }
 
   /// Powers of two, and products with the weights.
@@ -287,7 +289,7 @@ private:
     }
   }
 
-  void judge(int l, Index span)
+  void judge(int l, Index entry)
   {
     const Lane& lane = this->Lanes[l];
     const int lanes = this->Batch.lanes;
@@ -331,7 +333,7 @@ private:
       verdict = this->Halving(error, 1.1 * Unit * size + Tiny);
     }
     this->rescale(verdict, l);
-    this->store(verdict, l, span);
+    this->store(verdict, l, entry);
   }
 
   /// From D to det J.
@@ -371,8 +373,9 @@ private:
     }
   }
 
-  void store(const SignVerdict& verdict, int l, Index span)
+  void store(const SignVerdict& verdict, int l, Index entry)
   {
+    const Index span = this->Work.span(entry);
     JacobianReport& report = this->Work.report;
     report.valid += verdict.validity == Validity::Valid ? 1 : 0;
     report.undecided += verdict.validity == Validity::Undecided ? 1 : 0;
@@ -402,10 +405,10 @@ private:
       report.witnesses.push_back(witness);
     }
     const JacobianArrays& arrays = this->Work.arrays;
-    const auto set = [span](auto* array, auto value) {
+    const auto set = [entry](auto* array, auto value) {
       if (array)
       {
-        array[span] = value;
+        array[entry] = value;
       }
     };
     set(arrays.validity, static_cast<unsigned char>(verdict.validity));
@@ -460,11 +463,15 @@ JacobianReport jacobianBounds(const BSplineVolume& volume, const std::string& na
     throw Error(
       name + ": depth " + std::to_string(options.maxDepth) + " is not in 0.." + std::to_string(MaxJacobianDepth));
   }
-  checkPoints(volume, name, run);
+  if (!options.spans)
+  {
+    checkPoints(volume, name, run);
+  }
   const std::array<Direction, 3> directions{ direction(volume, 0, name), direction(volume, 1, name),
     direction(volume, 2, name) };
-  const Index total = static_cast<Index>(directions[0].spans.size()) * static_cast<Index>(directions[1].spans.size()) *
-    static_cast<Index>(directions[2].spans.size());
+  const Index total = options.spans ? static_cast<Index>(options.spans->size())
+                                    : static_cast<Index>(directions[0].spans.size()) *
+      static_cast<Index>(directions[1].spans.size()) * static_cast<Index>(directions[2].spans.size());
 
   JacobianReport report;
   std::mutex guard;

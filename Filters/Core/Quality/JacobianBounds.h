@@ -46,6 +46,11 @@ struct JacobianOptions
   int maxDepth = 24;
   /// Witnesses that are kept: those of the first invalid spans.
   Index maxWitnesses = 1000000;
+  /// det J is multiplied by -1: for blocks of a left-handed mesh, whose spans then count as valid where they are.
+  bool leftHanded = false;
+  /// Only these spans, numbers u fastest, ascending; arrays have one entry for each. Null: all spans. Control points
+  /// that are not finite are not refused then, their spans are undecided.
+  const std::vector<Index>* spans = nullptr;
   /// @name How the kernel runs; no result depends on it.
   ///@{
   InstructionSet instructions = instructionSets().back();

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file SpanRepair.h
+/// Whether the converted spans are valid, and the repair of those that are not although their mesh cells are.
+///
+/// Smoothing can fold coarse or strongly distorted cells. Then mesh points near the failing spans are moved, and the
+/// conversion, with all its decisions unchanged, makes the control points from the moved ones: what is shared stays
+/// shared, what joins smoothly still does. A control point is a fixed linear combination of mesh points, so the
+/// gradient of a span's penalty (JacobianPenalty.h) with respect to these is known.
+///
+/// In a sweep every failing span e proposes the least-squares step d = -2 f g / |g|^2 in the coordinates of its points'
+/// cells (S, the square root of the mean of e e^T over the cells' edges at a point; thin layers are not crossed); no
+/// step is longer than 0.15 cells. Points take the sum of what is proposed to them, divided by the number of spans that
+/// need the point, if it is more than one. All spans of a sweep start from the same points, all sums are sorted:
+/// numbering, threads and ranks do not matter.
+///
+/// Points of the body and of connection layers never move. Other boundary points move once a span that they belong to
+/// has failed for some sweeps: in their plane on planar sides and symmetry planes, along the curve on creases.
+#pragma once
+
+#include "Conversion/ConversionContext.h"
+
+namespace bsv
+{
+
+/// Certifies the spans chosen by ConversionOptions::checkSpans and repairs them, if ConversionOptions::repairSpans.
+/// The nets must be converted; `context.moved` must be null. Collective; the report is the same on all ranks.
+SpanReport checkSpans(const ConversionContext& context, const Execution& run);
+
+} // namespace bsv
