@@ -335,6 +335,41 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
   return text.str();
 }
 
+/// What became of the checked spans.
+std::string spanText(
+  const bsv::BlockComplex& complex, const bsv::ConversionOptions& options, const bsv::SpanReport& spans)
+{
+  if (options.checkSpans == bsv::CheckSpans::None)
+  {
+    return "no spans were checked\n";
+  }
+  std::ostringstream text;
+  text << spans.checked << (options.checkSpans == bsv::CheckSpans::All ? " spans" : " spans near special rules")
+       << " checked, " << spans.failed << " not proven valid, " << spans.repaired << " of them repaired, "
+       << spans.invalid << " spans left invalid, " << spans.undecided << " undecided\n";
+  if (spans.movedPoints > 0)
+  {
+    text << "span repair: " << spans.movedPoints << " mesh points moved by up to " << spans.largestMove << " ("
+         << spans.largestMoveInCells << " cells), " << spans.sweeps << " sweeps\n";
+  }
+  if (spans.invalidCells > 0)
+  {
+    text << spans.invalidCells << " more spans are not valid, nor are their mesh cells\n";
+  }
+  constexpr std::size_t Listed = 20;
+  for (std::size_t i = 0; i < std::min(Listed, spans.left.size()); ++i)
+  {
+    const bsv::SpanReport::Place& place = spans.left[i];
+    text << "span not valid: " << complex.blocks[place.block].name << ", cell "
+         << triple(", ", place.cell[0], place.cell[1], place.cell[2]) << '\n';
+  }
+  if (spans.left.size() > Listed)
+  {
+    text << "and " << spans.left.size() - Listed << " more\n";
+  }
+  return text.str();
+}
+
 /// What each of several ranks had to do.
 std::string rankText(const bsv::BlockComplex& complex, const std::vector<bsv::Index>& received)
 {
@@ -375,6 +410,8 @@ void vtkCatmullClarkToBSplineVolume::ResetReport()
   this->NumberOfInputBlocks = this->NumberOfBlocks = 0;
   this->NumberOfExtraordinaryEdges = this->NumberOfSingularNodes = 0;
   this->NumberOfControlPoints = 0;
+  this->NumberOfCheckedSpans = this->NumberOfRepairedSpans = 0;
+  this->NumberOfInvalidSpans = this->NumberOfUndecidedSpans = 0;
   this->ReceivedBytes = 0;
   this->ControlPointsPerRule->SetNumberOfValues(static_cast<vtkIdType>(bsv::ControlPointRule::Count));
   this->ControlPointsPerRule->Fill(0);
@@ -600,6 +637,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     options.automaticWallSpacing = this->WallSpacingMode == GROWTH;
     options.farFieldSpacing = static_cast<bsv::FarFieldSpacing>(this->FarFieldSpacing);
     options.propagationRange = this->PropagationRange;
+    options.checkSpans = static_cast<bsv::CheckSpans>(this->CheckSpans);
+    options.repairSpans = this->RepairSpans;
 
     // The body.
     std::unique_ptr<const bsv::BodySurface> body;
@@ -666,9 +705,22 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       this->ControlPointsPerRule->SetValue(static_cast<vtkIdType>(rule), counts.controlPoints[rule]);
       this->NumberOfControlPoints += counts.controlPoints[rule];
     }
+    this->NumberOfCheckedSpans = counts.spans.checked;
+    this->NumberOfRepairedSpans = counts.spans.repaired;
+    this->NumberOfInvalidSpans = counts.spans.invalid;
+    this->NumberOfUndecidedSpans = counts.spans.undecided;
     this->ReceivedBytes = received[ranks.rank()];
-    this->Report = reportText(complex, classes, options, wallPoints, counts, knots) + rankText(complex, received);
-    bsv::warn(this, complex.warnings);
+    this->Report = reportText(complex, classes, options, wallPoints, counts, knots) +
+      spanText(complex, options, counts.spans) + rankText(complex, received);
+    std::vector<std::string> warnings = complex.warnings;
+    if (!counts.spans.left.empty())
+    {
+      const bsv::SpanReport::Place& first = counts.spans.left.front();
+      warnings.push_back(std::to_string(counts.spans.left.size()) +
+        " spans are not valid although their mesh cells are, the first in block '" + complex.blocks[first.block].name +
+        "', cell (" + triple(", ", first.cell[0], first.cell[1], first.cell[2]) + "); see the report");
+    }
+    bsv::warn(this, warnings);
   });
 }
 
@@ -710,6 +762,8 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FarFieldSpacing: " << this->FarFieldSpacing << '\n';
   list("ExtensionBlocks", this->ExtensionBlocks);
   os << indent << "PropagationRange: " << this->PropagationRange << '\n';
+  os << indent << "CheckSpans: " << this->CheckSpans << '\n';
+  os << indent << "RepairSpans: " << (this->RepairSpans ? "On" : "Off") << '\n';
   os << indent << "InputPoints: " << this->InputPoints << '\n';
   os << indent << "FitTolerance: " << this->FitTolerance << '\n';
   os << indent << "FitIterations: " << this->FitIterations << '\n';

@@ -302,11 +302,40 @@ public:
   ///@{
   /**
    * How far what changes at the outer boundary reaches into the volume, fading out, so that thin layers do not fold:
-   * creases, as a multiple of the depth by which the smooth rule would round them; the corrections at extraordinary
+   * creases, in halves of the depth by which the smooth rule would round them; the corrections at extraordinary
    * body vertices and of ON_BODY, in local edge lengths of the wall. No unit, range >= 0, default 8; 0 turns it off.
    */
   vtkSetMacro(PropagationRange, double);
   vtkGetMacro(PropagationRange, double);
+  ///@}
+
+  enum CheckSpansType
+  {
+    CHECK_NONE,
+    CHECK_SPECIAL_RULES,
+    CHECK_ALL
+  };
+
+  ///@{
+  /**
+   * Which spans are certified after the conversion, by Bernstein bounds of their Jacobian determinant as in
+   * vtkBSplineVolumeQuality: none, those near points made by special rules (CHECK_SPECIAL_RULES, default: extraordinary
+   * edges and vertices, creases, corners, first layers elsewhere than at a third of the cell, points that the fit to
+   * the body moved), or all. What was found is in the report and in the numbers below.
+   */
+  vtkSetClampMacro(CheckSpans, int, CHECK_NONE, CHECK_ALL);
+  vtkGetMacro(CheckSpans, int);
+  ///@}
+
+  ///@{
+  /**
+   * Move mesh points near checked spans that came out invalid although their mesh cells are valid, until the spans are
+   * valid or nothing more can be done. Points of the body stay where they are; points of planar sides, symmetry planes
+   * and creases stay on them. Results are unchanged where no checked span is invalid. Default on.
+   */
+  vtkSetMacro(RepairSpans, bool);
+  vtkGetMacro(RepairSpans, bool);
+  vtkBooleanMacro(RepairSpans, bool);
   ///@}
 
   ///@{
@@ -346,6 +375,12 @@ public:
   vtkGetMacro(NumberOfExtraordinaryEdges, int);
   vtkGetMacro(NumberOfSingularNodes, int);
   vtkGetMacro(NumberOfControlPoints, vtkIdType);
+  /// Spans that were checked; of those, with valid mesh cells, that came out invalid or undecided and were repaired;
+  /// that are left invalid; that are left undecided.
+  vtkGetMacro(NumberOfCheckedSpans, vtkIdType);
+  vtkGetMacro(NumberOfRepairedSpans, vtkIdType);
+  vtkGetMacro(NumberOfInvalidSpans, vtkIdType);
+  vtkGetMacro(NumberOfUndecidedSpans, vtkIdType);
   ///@}
 
   /**
@@ -396,6 +431,8 @@ private:
   int FarFieldSpacing = SIDE_AVERAGE;
   bsv::BoundaryPatterns ExtensionBlocks;
   double PropagationRange = 8.0;
+  int CheckSpans = CHECK_SPECIAL_RULES;
+  bool RepairSpans = true;
   double MatchTolerance = 0.05;
   bool AllowDegenerate = false;
   bool AllowOpenInterior = false;
@@ -405,6 +442,10 @@ private:
   int NumberOfExtraordinaryEdges = 0;
   int NumberOfSingularNodes = 0;
   vtkIdType NumberOfControlPoints = 0;
+  vtkIdType NumberOfCheckedSpans = 0;
+  vtkIdType NumberOfRepairedSpans = 0;
+  vtkIdType NumberOfInvalidSpans = 0;
+  vtkIdType NumberOfUndecidedSpans = 0;
   vtkTypeInt64 ReceivedBytes = 0;
   vtkSmartPointer<vtkIdTypeArray> ControlPointsPerRule;
   std::string Report;
