@@ -344,6 +344,7 @@ int vtkBSplineVolumeQuality::RequestData(
   this->NumberOfSpans = this->NumberOfValidSpans = this->NumberOfInvalidSpans = this->NumberOfUndecidedSpans = 0;
   this->MinimumJacobian = this->MinimumScaledJacobian = 0.0;
   this->WorstBlock = -1;
+  this->NumberOfLeftHandedBlocks = 0;
   return bsv::execute(this, output, [&] {
     const bsv::Execution shared = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *shared.ranks;
@@ -417,15 +418,22 @@ int vtkBSplineVolumeQuality::RequestData(
         arrays.skewness = block.add("Skewness");
         reports[b] = bsv::jacobianBounds(input.volumes[b], input.label(b), options, arrays,
           bsv::filterExecution(this, start + 0.1 * (end - start), end));
+        // A block with most spans of negative volume is left-handed, and judged by its own sign.
+        const bool leftHanded = 2 * reports[b].negative > spans;
+        if (leftHanded)
+        {
+          bsv::JacobianOptions mirrored = options;
+          mirrored.leftHanded = true;
+          reports[b] = bsv::jacobianBounds(
+            input.volumes[b], input.label(b), mirrored, arrays, bsv::filterExecution(this, end, end));
+        }
         const bsv::JacobianReport& report = reports[b];
-        // The bounds of single spans may reach beyond zero although det J does not.
-        const bool leftHanded = report.invalid == spans && 2 * report.negative > spans;
         summaries[b] = { report.valid, report.invalid, report.undecided, report.lowest,
           *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans), leftHanded };
       }
     });
     ranks.share(summaries, [&](Index b) { return input.ranks[b]; });
-    std::vector<std::string> warnings;
+    std::string leftHanded;
     for (std::size_t b = 0; b < count; ++b)
     {
       const BlockSummary& summary = summaries[b];
@@ -449,11 +457,20 @@ int vtkBSplineVolumeQuality::RequestData(
         at == 0 ? summary.lowestScaled : std::min(this->MinimumScaledJacobian, summary.lowestScaled);
       if (summary.leftHanded)
       {
-        warnings.push_back(
-          input.label(b) + " is left-handed: det J <= 0 in all of its " + std::to_string(spans) + " spans.");
+        constexpr int Listed = 5;
+        ++this->NumberOfLeftHandedBlocks;
+        leftHanded += this->NumberOfLeftHandedBlocks > Listed ? ""
+          : leftHanded.empty()                                ? input.label(b)
+                                                              : ", " + input.label(b);
       }
     }
-    bsv::warn(this, warnings);
+    if (this->NumberOfLeftHandedBlocks > 0)
+    {
+      bsv::warn(this,
+        { "Left-handed, and judged by their own sign: " + std::to_string(this->NumberOfLeftHandedBlocks) + " of " +
+          std::to_string(count) + " blocks, " + leftHanded + (this->NumberOfLeftHandedBlocks > 5 ? ", ..." : "") +
+          "." });
+    }
 
     std::vector<bsv::Interface> interfaces = input.interfaces;
     if (!input.hasInterfaces)
@@ -518,6 +535,7 @@ void vtkBSplineVolumeQuality::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "NumberOfValidSpans: " << this->NumberOfValidSpans << '\n';
   os << indent << "NumberOfInvalidSpans: " << this->NumberOfInvalidSpans << '\n';
   os << indent << "NumberOfUndecidedSpans: " << this->NumberOfUndecidedSpans << '\n';
+  os << indent << "NumberOfLeftHandedBlocks: " << this->NumberOfLeftHandedBlocks << '\n';
   os << indent << "MinimumJacobian: " << this->MinimumJacobian << '\n';
   os << indent << "MinimumScaledJacobian: " << this->MinimumScaledJacobian << '\n';
   os << indent << "WorstBlock: " << this->WorstBlock << '\n';

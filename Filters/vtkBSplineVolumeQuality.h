@@ -34,8 +34,8 @@
  *
  * Several ranks each have the spans and witnesses of their blocks; all have the field data and the totals of all.
  *
- * A block that is invalid throughout, det J < 0, is left-handed: a warning names it. An empty input gives empty
- * outputs.
+ * A block with det J < 0 in more than half of its spans is left-handed. It is judged by its own sign: det J and the
+ * scaled Jacobian are multiplied by -1. One warning counts and names such blocks. An empty input gives empty outputs.
  */
 #ifndef vtkBSplineVolumeQuality_h
 #define vtkBSplineVolumeQuality_h
@@ -79,6 +79,7 @@ public:
   vtkGetMacro(NumberOfValidSpans, vtkIdType);
   vtkGetMacro(NumberOfInvalidSpans, vtkIdType);
   vtkGetMacro(NumberOfUndecidedSpans, vtkIdType);
+  vtkGetMacro(NumberOfLeftHandedBlocks, int);
   vtkGetMacro(MinimumJacobian, double);
   vtkGetMacro(MinimumScaledJacobian, double);
   vtkGetMacro(WorstBlock, int);
@@ -103,6 +104,7 @@ private:
   vtkIdType NumberOfValidSpans = 0;
   vtkIdType NumberOfInvalidSpans = 0;
   vtkIdType NumberOfUndecidedSpans = 0;
+  int NumberOfLeftHandedBlocks = 0;
   double MinimumJacobian = 0.0;
   double MinimumScaledJacobian = 0.0;
   int WorstBlock = -1;

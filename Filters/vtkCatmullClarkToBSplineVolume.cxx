@@ -33,6 +33,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <sstream>
 
 vtkStandardNewMacro(vtkCatmullClarkToBSplineVolume);
@@ -183,13 +184,22 @@ std::string triple(const char* separator, int a, int b, int c)
 struct WallPoints
 {
   bool onBody = false;
+  /// Displacements of the wall's points, if they are moved.
+  std::optional<bsv::WallFit> fit;
   /// How it was decided, and what the fit did, one sentence each.
   std::string report;
 };
 
+std::string pointText(const bsv::Vec3& x)
+{
+  std::ostringstream text;
+  text << '(' << x[0] << ", " << x[1] << ", " << x[2] << ')';
+  return text.str();
+}
+
 /// Decides how the wall's points are taken, and fits its control mesh: all of it if they lie on the body, else along
 /// the edges of the body.
-WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptions& options,
+WallPoints takeWallPoints(const bsv::BlockComplex& complex, const bsv::ConversionOptions& options,
   const bsv::EntityRules& rules, int inputPoints, const bsv::BoundaryPatterns& patterns, bsv::BodyFitOptions fit,
   const bsv::Execution& run)
 {
@@ -222,12 +232,17 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
   text << "input points taken as "
        << (fit.leastSquares   ? "LeastSquares"
               : result.onBody ? "OnBody"
-                              : "ControlNet")
-       << (inputPoints == Filter::AUTOMATIC ? ", chosen automatically\n" : "\n");
+                              : "ControlNet");
+  if (inputPoints == Filter::AUTOMATIC)
+  {
+    text << ", chosen automatically" << (options.body ? "" : ", as always without a body");
+  }
+  text << '\n';
   if (result.onBody || options.body)
   {
     fit.edgesOnly = !result.onBody;
-    const bsv::BodyFitReport report = bsv::fitBody(complex, options, rules, fit, run);
+    result.fit = bsv::solveFit(complex, options, rules, fit, run);
+    const bsv::BodyFitReport& report = result.fit->report;
     text << (result.onBody ? "wall" : "creases and borders of the wall") << " fitted in " << report.iterations
          << " iterations: limit points within " << report.residual << " of their targets, before "
          << report.initialResidual << "; wall points moved by up to " << report.displacement << '\n';
@@ -236,9 +251,43 @@ WallPoints takeWallPoints(bsv::BlockComplex& complex, const bsv::ConversionOptio
       text << "between its mesh points the wall is off the body by at most " << report.sampleDistance[1] << ", RMS "
            << report.sampleRms[1] << "; before " << report.sampleDistance[0] << ", RMS " << report.sampleRms[0] << '\n';
     }
+    const bsv::Index blunt = result.onBody ? bsv::bluntPoints(complex, rules, *run.ranks) : 0;
+    if (blunt > 0)
+    {
+      text << "wall cells differ by more than 4 : 1 across a bend of more than 45 degrees at " << blunt
+           << " wall points: interpolation overshoots there, a crease (Crease Angle 30 to 50) does not\n";
+    }
   }
   result.report = text.str();
   return result;
+}
+
+/// How far the converted wall is from the mesh.
+std::string motionText(const bsv::WallMotion& motion, bool onBody)
+{
+  std::ostringstream text;
+  if (motion.wallPoints > 0)
+  {
+    text << "converted wall off its " << motion.wallPoints << " mesh points by at most " << motion.largest << ", at "
+         << pointText(motion.where) << ", median " << motion.median << "; in first cells at most "
+         << motion.largestInCells << ", median " << motion.medianInCells;
+    text << (!onBody && motion.largestInCells > 1.0 ? "; if these are points of the wall, take Input Points OnBody\n"
+                                                    : "\n");
+  }
+  return text.str();
+}
+
+/// What the fit gave up for valid spans.
+std::string shareText(const std::vector<double>& shares)
+{
+  std::ostringstream text;
+  const auto held = std::count_if(shares.begin(), shares.end(), [](double share) { return share < 1.0; });
+  if (held > 0)
+  {
+    text << "wall fitted in part only for valid spans at " << held << " of " << shares.size()
+         << " points, the least share of a displacement " << *std::min_element(shares.begin(), shares.end()) << '\n';
+  }
+  return text.str();
 }
 
 std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasses& classes,
@@ -339,14 +388,19 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
 std::string spanText(
   const bsv::BlockComplex& complex, const bsv::ConversionOptions& options, const bsv::SpanReport& spans)
 {
-  if (options.checkSpans == bsv::CheckSpans::None)
+  if (options.continuity == bsv::Continuity::ExactG1)
+  {
+    return "spans with double knots were not checked\n";
+  }
+  const bool all = options.checkSpans == bsv::CheckSpans::All || options.untangle;
+  if (options.checkSpans == bsv::CheckSpans::None && !all)
   {
     return "no spans were checked\n";
   }
   std::ostringstream text;
-  text << spans.checked << (options.checkSpans == bsv::CheckSpans::All ? " spans" : " spans near special rules")
-       << " checked, " << spans.failed << " not proven valid, " << spans.repaired << " of them repaired, "
-       << spans.invalid << " spans left invalid, " << spans.undecided << " undecided\n";
+  text << spans.checked << (all ? " spans" : " spans near special rules") << " checked, " << spans.failed
+       << " not proven valid, " << spans.repaired << " of them repaired, " << spans.invalid << " spans left invalid, "
+       << spans.undecided << " undecided\n";
   if (spans.movedPoints > 0)
   {
     text << "span repair: " << spans.movedPoints << " mesh points moved by up to " << spans.largestMove << " ("
@@ -639,6 +693,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     options.propagationRange = this->PropagationRange;
     options.checkSpans = static_cast<bsv::CheckSpans>(this->CheckSpans);
     options.repairSpans = this->RepairSpans;
+    options.untangle = this->Untangle;
 
     // The body.
     std::unique_ptr<const bsv::BodySurface> body;
@@ -677,8 +732,43 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         names.push_back(complex.blocks[b].name);
       }
     });
-    const bsv::ConversionReport counts =
-      bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0), &rules);
+    // The wall may fold over its layers if it is followed exactly: shares of the displacements are lowered above
+    // failing spans until these are valid.
+    const auto convert = [&](bool repair) {
+      options.repairSpans = repair;
+      return bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0), &rules);
+    };
+    const bsv::BlockComplex unfitted = complex;
+    std::vector<double> shares;
+    const auto fitted = [&] {
+      complex = unfitted;
+      if (wallPoints.fit)
+      {
+        bsv::applyFit(complex, rules, *wallPoints.fit, shares, execution(0.5, 0.5));
+      }
+    };
+    fitted();
+    const bool rounds = wallPoints.onBody && this->RepairSpans && this->CheckSpans != CHECK_NONE;
+    bsv::ConversionReport counts = convert(this->RepairSpans && !rounds);
+    if (rounds && !counts.spans.left.empty())
+    {
+      constexpr int MaxRounds = 30;
+      for (int round = 0; round <= MaxRounds && !counts.spans.left.empty(); ++round)
+      {
+        if (!bsv::lowerShares(
+              unfitted, rules, *wallPoints.fit, counts.spans.left, round < MaxRounds ? 0.9 : 0.0, shares, ranks))
+        {
+          break;
+        }
+        fitted();
+        counts = convert(false);
+      }
+      if (!counts.spans.left.empty())
+      {
+        counts = convert(true);
+      }
+    }
+    const bsv::WallMotion motion = bsv::wallMotion(unfitted, complex, options, rules, execution(1.0, 1.0));
 
     const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
 
@@ -710,8 +800,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     this->NumberOfInvalidSpans = counts.spans.invalid;
     this->NumberOfUndecidedSpans = counts.spans.undecided;
     this->ReceivedBytes = received[ranks.rank()];
-    this->Report = reportText(complex, classes, options, wallPoints, counts, knots) +
-      spanText(complex, options, counts.spans) + rankText(complex, received);
+    this->Report = reportText(complex, classes, options, wallPoints, counts, knots) + shareText(shares) +
+      motionText(motion, wallPoints.onBody) + spanText(complex, options, counts.spans) + rankText(complex, received);
     std::vector<std::string> warnings = complex.warnings;
     if (!counts.spans.left.empty())
     {
@@ -764,6 +854,7 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "PropagationRange: " << this->PropagationRange << '\n';
   os << indent << "CheckSpans: " << this->CheckSpans << '\n';
   os << indent << "RepairSpans: " << (this->RepairSpans ? "On" : "Off") << '\n';
+  os << indent << "Untangle: " << (this->Untangle ? "On" : "Off") << '\n';
   os << indent << "InputPoints: " << this->InputPoints << '\n';
   os << indent << "FitTolerance: " << this->FitTolerance << '\n';
   os << indent << "FitIterations: " << this->FitIterations << '\n';

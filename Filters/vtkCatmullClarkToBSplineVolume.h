@@ -340,6 +340,16 @@ public:
 
   ///@{
   /**
+   * Repair spans whose mesh cells are invalid as well: all spans are checked, and mesh points are moved as by
+   * RepairSpans. Spans that are valid stay so. Default off.
+   */
+  vtkSetMacro(Untangle, bool);
+  vtkGetMacro(Untangle, bool);
+  vtkBooleanMacro(Untangle, bool);
+  ///@}
+
+  ///@{
+  /**
    * Boundary points are one point if they are closer than this fraction of the shortest mesh edge at either of them.
    * Range (0, 0.5), default 0.05.
    */
@@ -433,6 +443,7 @@ private:
   double PropagationRange = 8.0;
   int CheckSpans = CHECK_SPECIAL_RULES;
   bool RepairSpans = true;
+  bool Untangle = false;
   double MatchTolerance = 0.05;
   bool AllowDegenerate = false;
   bool AllowOpenInterior = false;

@@ -172,9 +172,13 @@ def test_left_handed_block():
     right = volume(knots, lambda x, y, z: (x, y, z))
     left = volume(knots, lambda x, y, z: (x + 5, -y, z))
     proxy, output, warnings = measured(collection([right, left]))
-    assert len(warnings) == 1 and "block 1 'block 1' is left-handed: det J <= 0 in all of its 8 spans" in warnings[0]
-    assert field(output, "InvalidSpans") == [0, 8] and proxy.WorstBlock == 1
-    assert abs(proxy.MinimumScaledJacobian + 1) < 1e-12 and witnesses(proxy).GetNumberOfPoints() == 8
+    assert len(warnings) == 1 and "1 of 2 blocks, block 1 'block 1'" in warnings[0]
+    assert field(output, "InvalidSpans") == [0, 0] and proxy.NumberOfLeftHandedBlocks == 1
+    assert abs(proxy.MinimumScaledJacobian - 1) < 1e-12 and witnesses(proxy).GetNumberOfPoints() == 0
+    # Folded beyond x = 2.5: only there it is invalid, in the last of three spans along x.
+    folded = volume([clamped(0, 1, 2, 3)] * 3, lambda x, y, z: (x, -y * (2.5 - x), z))
+    proxy, output, _ = measured(collection([folded]))
+    assert proxy.NumberOfLeftHandedBlocks == 1 and field(output, "InvalidSpans") == [9]
 
 
 def test_rational_and_other_degrees():

@@ -129,6 +129,8 @@ struct ConversionOptions
   /// Mesh points near spans that come out invalid although their mesh cells are valid are moved until the spans are
   /// valid or nothing more can be done. Points of the body never move.
   bool repairSpans = true;
+  /// The same for spans whose mesh cells are invalid as well; all spans are then checked.
+  bool untangle = false;
 };
 
 /// Knots of the blocks that a conversion makes, per block and direction: {0,0,0,0,1,2,..,I-1,I,I,I,I}, with ExactG1

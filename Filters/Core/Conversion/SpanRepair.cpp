@@ -41,7 +41,7 @@ constexpr double Watched = 0.01, Finished = 0.02;
 constexpr double LongestStep = 0.15;
 /// Sweeps that a span fails before boundary points at its corners may move.
 constexpr int Patience = 3;
-constexpr int MaxSweeps = 60, MaxFinalSweeps = 15;
+constexpr int MaxSweeps = 60, MaxUntanglingSweeps = 300, MaxFinalSweeps = 15;
 
 Ijk cellOf(const ComplexBlock& block, Index span)
 {
@@ -462,7 +462,7 @@ public:
         }
       }
     });
-    if (this->Context.options.repairSpans)
+    if (this->Context.options.repairSpans || this->Context.options.untangle)
     {
       this->sweepAll(report);
     }
@@ -504,13 +504,8 @@ private:
     {
       corners[c] = block.points({ cell[0] + cornerSide(c, 0), cell[1] + cornerSide(c, 1), cell[2] + cornerSide(c, 2) });
     }
-    BSplineVolume trilinear;
-    trilinear.degree = { 1, 1, 1 };
-    trilinear.knots.fill({ 0.0, 0.0, 1.0, 1.0 });
-    trilinear.points = corners[0].data();
-    JacobianOptions options;
-    options.leftHanded = block.leftHanded;
-    if (jacobianBounds(trilinear, block.name, options).valid != 1)
+    const bool validCell = this->isValidCell(block, corners);
+    if (!validCell && !this->Context.options.untangle)
     {
       this->InvalidCells.insert(id);
       return false;
@@ -582,7 +577,30 @@ private:
       }
       entry.scale += derivatives[0].dot(derivatives[1].cross(derivatives[2])) / 8.0;
     }
+    if (!validCell)
+    {
+      // The volume of a cell with the mean edges around, in the sense of the block.
+      std::vector<double> volumes;
+      for (const MeshPointKey& corner : entry.corners)
+      {
+        volumes.push_back(1.0 / pointFrame(this->Context, corner).cellMatrix().determinant());
+      }
+      const int flips = cornerSide(origin, 0) + cornerSide(origin, 1) + cornerSide(origin, 2) + (axes[0] > axes[1]) +
+        (axes[0] > axes[2]) + (axes[1] > axes[2]) + (block.leftHanded ? 1 : 0);
+      entry.scale = (flips % 2 ? -1.0 : 1.0) * sortedSum(volumes) / 8.0;
+    }
     return true;
+  }
+
+  static bool isValidCell(const ComplexBlock& block, const std::array<Vec3, 8>& corners)
+  {
+    BSplineVolume trilinear;
+    trilinear.degree = { 1, 1, 1 };
+    trilinear.knots.fill({ 0.0, 0.0, 1.0, 1.0 });
+    trilinear.points = corners[0].data();
+    JacobianOptions options;
+    options.leftHanded = block.leftHanded;
+    return jacobianBounds(trilinear, block.name, options).valid == 1;
   }
 
   bool anyFails() const
@@ -593,7 +611,8 @@ private:
 
   void sweepAll(SpanReport& report)
   {
-    while (report.sweeps < MaxSweeps && this->anyFails())
+    const int most = this->Context.options.untangle ? MaxUntanglingSweeps : MaxSweeps;
+    while (report.sweeps < most && this->anyFails())
     {
       this->Group.together([&] { this->Run.report(0.95); });
       ++report.sweeps;
@@ -1177,7 +1196,8 @@ private:
 SpanReport checkSpans(const ConversionContext& context, const Execution& run)
 {
   SpanReport report;
-  if (context.options.checkSpans == CheckSpans::None)
+  const bool all = context.options.checkSpans == CheckSpans::All || context.options.untangle;
+  if (context.options.checkSpans == CheckSpans::None && !all)
   {
     return report;
   }
@@ -1192,7 +1212,7 @@ SpanReport checkSpans(const ConversionContext& context, const Execution& run)
         {
           continue;
         }
-        if (context.options.checkSpans == CheckSpans::SpecialRules)
+        if (!all)
         {
           spans[block] = specialSpans(context, block);
           continue;

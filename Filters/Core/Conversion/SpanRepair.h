@@ -13,6 +13,14 @@
 /// need the point, if it is more than one. All spans of a sweep start from the same points, all sums are sorted:
 /// numbering, threads and ranks do not matter.
 ///
+/// Untangling (ConversionOptions::untangle) is the same for spans whose mesh cells are not valid either; s is then the
+/// volume of a cell with the mean edges around. The penalty is that of P. M. Knupp, Hexahedral and tetrahedral mesh
+/// untangling, Engineering with Computers 17, 2001, doi:10.1007/s003660170006, squared, with all Bernstein coefficients
+/// in place of the corners' determinants.
+///
+/// Where spans linked by moved points do not all become valid, their points are put back, unless fewer fail than before
+/// and only such as did before.
+///
 /// Points of the body and of connection layers never move. Other boundary points move once a span that they belong to
 /// has failed for some sweeps: in their plane on planar sides and symmetry planes, along the curve on creases.
 #pragma once

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <sstream>
 
 namespace bsv
@@ -152,7 +153,7 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
 
 } // namespace
 
-BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
+WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
   const BodyFitOptions& options, const Execution& run)
 {
   if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
@@ -176,11 +177,12 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     throw Error("limit points can be moved to the edges of a body only if there is one");
   }
   const Wall wall(complex, rules);
-  BodyFitReport report;
+  WallFit result;
+  BodyFitReport& report = result.report;
   report.wallPoints = wall.size();
   if (wall.size() == 0)
   {
-    return report;
+    return result;
   }
   const LimitRows rows(complex, rules, wall);
   ExtraordinaryFans fans(rows, wall.size(), conversion.twist);
@@ -287,33 +289,228 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
     fitBetween(complex, rows, wall, given, *options.body, target, run, x, report);
   }
 
-  Displacements displacements(complex, *run.ranks);
+  for (Index i = 0; i < wall.size(); ++i)
+  {
+    result.displacements.push_back(x[i] - given[i]);
+    result.reaches.push_back(options.range * rows.spacing(i, given));
+    report.displacement = std::max(report.displacement, result.displacements.back().norm());
+  }
+  result.targets = std::move(target);
+  return result;
+}
+
+namespace
+{
+
+/// The mesh lines of the wall points of this rank's blocks.
+std::vector<MeshLine> wallLines(
+  const BlockComplex& complex, const Wall& wall, const WallFit& fit, const std::vector<double>& shares, int rank)
+{
   std::vector<MeshLine> lines;
   for (const int f : wall.faces())
   {
     const FaceUse& use = complex.faces[f].uses.front();
     const ComplexBlock& owner = complex.blocks[use.block];
-    for (int t = 0; t <= owner.cells(faceAxis(use.face, 1)) && displacements.isHere(use.block); ++t)
+    for (int t = 0; t <= owner.cells(faceAxis(use.face, 1)) && owner.rank == rank; ++t)
     {
       for (int s = 0; s <= owner.cells(faceAxis(use.face, 0)); ++s)
       {
         const Index i = wall.id(use.block, use.face, s, t);
-        lines.push_back(
-          { use.block, use.face, s, t, 0, 0.0, triple(x[i] - given[i]), options.range * rows.spacing(i, given) });
+        const double share = shares.empty() ? 1.0 : shares[i];
+        lines.push_back({ use.block, use.face, s, t, 0, 0.0, triple(share * fit.displacements[i]), fit.reaches[i], i });
       }
     }
   }
-  carry(complex, std::move(lines), displacements, *run.ranks);
-  displacements.share();
-  for (Index i = 0; i < wall.size(); ++i)
+  return lines;
+}
+
+} // namespace
+
+void applyFit(BlockComplex& complex, const EntityRules& rules, const WallFit& fit, const std::vector<double>& shares,
+  const Execution& run)
+{
+  const Wall wall(complex, rules);
+  if (wall.size() == 0)
   {
-    report.displacement = std::max(report.displacement, (x[i] - given[i]).norm());
+    return;
   }
+  Displacements displacements(complex, *run.ranks);
+  carry(complex, wallLines(complex, wall, fit, shares, run.ranks->rank()), displacements, *run.ranks);
+  displacements.share();
   run.ranks->together([&] {
     displacements.apply(complex);
     run.report(1.0);
   });
-  return report;
+}
+
+bool lowerShares(const BlockComplex& complex, const EntityRules& rules, const WallFit& fit,
+  const std::vector<SpanReport::Place>& places, double factor, std::vector<double>& shares, const Ranks& ranks)
+{
+  const Wall wall(complex, rules);
+  shares.resize(wall.size(), 1.0);
+  std::set<std::pair<int, Index>> corners;
+  for (const SpanReport::Place& place : places)
+  {
+    const GridView& points = complex.blocks[place.block].points;
+    for (int c = 0; c < 8; ++c)
+    {
+      corners.emplace(place.block,
+        points.offset(
+          { place.cell[0] + cornerSide(c, 0), place.cell[1] + cornerSide(c, 1), place.cell[2] + cornerSide(c, 2) }));
+    }
+  }
+  std::vector<Index> touched;
+  follow(
+    complex, wallLines(complex, wall, fit, shares, ranks.rank()),
+    [&](const PointAt& point, double, const MeshLine& line) {
+      if (corners.count({ point.block, complex.blocks[point.block].points.offset(point.ijk) }) > 0)
+      {
+        touched.push_back(line.wallPoint);
+      }
+    },
+    ranks);
+  touched = ranks.gatherAll(touched);
+  const std::set<Index> wallPoints(touched.begin(), touched.end());
+  bool any = false;
+  for (const Index i : wallPoints)
+  {
+    any = any || shares[i] > 0.0;
+    shares[i] *= factor;
+  }
+  return any;
+}
+
+BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
+  const BodyFitOptions& options, const Execution& run)
+{
+  const WallFit fit = solveFit(complex, conversion, rules, options, run);
+  applyFit(complex, rules, fit, {}, run);
+  return fit.report;
+}
+
+WallMotion wallMotion(const BlockComplex& given, const BlockComplex& fitted, const ConversionOptions& conversion,
+  const EntityRules& rules, const Execution& run)
+{
+  const Wall wall(given, rules);
+  WallMotion motion;
+  motion.wallPoints = wall.size();
+  if (wall.size() == 0)
+  {
+    return motion;
+  }
+  const LimitRows rows(given, rules, wall);
+  const std::vector<Vec3> points = wall.points(*run.ranks);
+  const std::vector<Vec3> moved = Wall(fitted, rules).points(*run.ranks);
+  std::vector<Vec3> limits(wall.size());
+  for (Index i = 0; i < wall.size(); ++i)
+  {
+    limits[i] = rows.apply(i, moved);
+  }
+  ExtraordinaryFans(rows, wall.size(), conversion.twist).correct(moved, limits);
+
+  struct Height
+  {
+    Index point;
+    double value;
+  };
+  std::vector<Height> heights;
+  run.ranks->together([&] {
+    for (const int f : wall.faces())
+    {
+      const FaceUse& use = given.faces[f].uses.front();
+      const ComplexBlock& owner = given.blocks[use.block];
+      if (owner.rank != run.ranks->rank())
+      {
+        continue;
+      }
+      const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+      for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
+      {
+        for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
+        {
+          Ijk above = facePoint(cells, use.face, s, t);
+          const Vec3 x = owner.points(above);
+          above[faceDirection(use.face)] += faceSide(use.face) ? -1 : 1;
+          heights.push_back({ wall.id(use.block, use.face, s, t), (owner.points(above) - x).norm() });
+        }
+      }
+    }
+  });
+  std::vector<double> first(wall.size(), std::numeric_limits<double>::infinity());
+  for (const Height& height : run.ranks->gatherAll(heights))
+  {
+    first[height.point] = std::min(first[height.point], height.value);
+  }
+  std::vector<double> lengths, inCells;
+  for (Index i = 0; i < wall.size(); ++i)
+  {
+    const double length = (limits[i] - points[i]).norm();
+    lengths.push_back(length);
+    inCells.push_back(first[i] > 0.0 ? length / first[i] : 0.0);
+    const Vec3& x = points[i];
+    if (length > motion.largest ||
+      (length == motion.largest &&
+        (i == 0 || std::lexicographical_compare(x.data(), x.data() + 3, motion.where.data(), motion.where.data() + 3))))
+    {
+      motion.largest = length;
+      motion.where = x;
+    }
+  }
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  motion.largestInCells = *std::max_element(inCells.begin(), inCells.end());
+  motion.median = median(lengths);
+  motion.medianInCells = median(inCells);
+  return motion;
+}
+
+Index bluntPoints(const BlockComplex& complex, const EntityRules& rules, const Ranks& ranks)
+{
+  constexpr double Ratio = 4.0;
+  const double bend = std::sqrt(0.5); // 45 degrees
+  const Wall wall(complex, rules);
+  const std::vector<Vec3> points = wall.points(ranks);
+  const auto isBlunt = [&](Index before, Index at, Index after) {
+    const Vec3 a = points[before] - points[at], b = points[after] - points[at];
+    const double na = a.norm(), nb = b.norm();
+    return std::max(na, nb) > Ratio * std::min(na, nb) && -a.dot(b) < bend * na * nb;
+  };
+  Index count = 0;
+  for (const int f : wall.faces())
+  {
+    const FaceUse& use = complex.faces[f].uses.front();
+    const ComplexBlock& owner = complex.blocks[use.block];
+    const auto id = [&](int s, int t) { return wall.id(use.block, use.face, s, t); };
+    for (int t = 1; t < owner.cells(faceAxis(use.face, 1)); ++t)
+    {
+      for (int s = 1; s < owner.cells(faceAxis(use.face, 0)); ++s)
+      {
+        count += isBlunt(id(s - 1, t), id(s, t), id(s + 1, t)) || isBlunt(id(s, t - 1), id(s, t), id(s, t + 1)) ? 1 : 0;
+      }
+    }
+  }
+  for (const int e : wall.edges())
+  {
+    const EdgeRule& rule = rules.edges[e];
+    if (rule.feature || rule.fans.size() != 1 || rule.fans.front().closed)
+    {
+      continue;
+    }
+    const EdgeFan& fan = rule.fans.front();
+    const auto beside = [&](int spoke, int k) {
+      const auto [sector, which] = fan.spoke(spoke);
+      const Ijk ijk = sector->point(complex.blocks[sector->block], k, which == 0 ? 1 : 0, which == 0 ? 0 : 1);
+      return wall.id(sector->block, sector->spokeFace(which), ijk);
+    };
+    for (int k = 1; k < complex.edges[e].cells; ++k)
+    {
+      count += isBlunt(beside(0, k), wall.edgeId(e, k), beside(fan.spokeCount() - 1, k)) ? 1 : 0;
+    }
+  }
+  return count;
 }
 
 WallDistances wallDistances(

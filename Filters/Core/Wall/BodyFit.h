@@ -72,19 +72,41 @@ struct BodyFitReport
   std::array<double, 2> sampleRms{ 0.0, 0.0 };
 };
 
-/// Moves the points of the wall (boundary faces whose role in `conversion.roles` is Body) and of the layers above it:
-/// of the blocks on this rank. Their views show the moved points in place of the stored ones afterwards
-/// (GridView::changed, BlockComplex::changedPoints); memory is needed for the moved points, not for the blocks.
-///
-/// Collective: every rank knows the whole wall, computes a part of the closest points, and sends displacements on along
-/// mesh lines to the ranks of the next blocks. What a rank receives grows with the wall, not with the volume.
-///
-/// The system L p = t is solved, where L p are the points through which the converted wall passes: the limit masks
-/// (3.31), creases and corners as in the conversion, and around extraordinary vertices what their rules make of them.
-/// By Chebyshev iteration (Golub, Varga 1961) without scalar products, so that results are the same bits for any
-/// numbering and orientation of the blocks.
+/// The solution: how every wall point moves, and how far that is carried. The same on all ranks.
+struct WallFit
+{
+  BodyFitReport report;
+  /// Per wall point the displacement, its reach into the layers, and where its limit point should lie.
+  std::vector<Vec3> displacements;
+  std::vector<double> reaches;
+  std::vector<Vec3> targets;
+};
+
+/// Solves L p = t, where L p are the points through which the converted wall passes: the limit masks (3.31), creases
+/// and corners as in the conversion, and around extraordinary and creased vertices what their rules make of them. By
+/// Chebyshev iteration (Golub, Varga 1961) without scalar products, so that results are the same bits for any numbering
+/// and orientation of the blocks. Collective: every rank knows the whole wall and computes a part of the closest
+/// points.
 /// @throws Error if it does not converge (a cube of six quadrilaterals cannot take any eight limit points), or for
 /// options out of range; Aborted.
+WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
+  const BodyFitOptions& options, const Execution& run = {});
+
+/// Moves the points of the wall by the share of each of its displacement, and with them the layers above it: of the
+/// blocks on this rank. Their views show the moved points in place of the stored ones afterwards (GridView::changed,
+/// BlockComplex::changedPoints); memory is needed for the moved points, not for the blocks. Collective: displacements
+/// are sent on along mesh lines to the ranks of the next blocks. What a rank receives grows with the wall, not with the
+/// volume.
+/// @param shares per wall point, 0 to 1; empty: all 1.
+void applyFit(BlockComplex& complex, const EntityRules& rules, const WallFit& fit, const std::vector<double>& shares,
+  const Execution& run = {});
+
+/// Multiplies the shares of wall points by `factor` whose mesh lines, within reach, touch one of the cells `places`.
+/// Collective. @return whether there are any.
+bool lowerShares(const BlockComplex& complex, const EntityRules& rules, const WallFit& fit,
+  const std::vector<SpanReport::Place>& places, double factor, std::vector<double>& shares, const Ranks& ranks);
+
+/// solveFit() and applyFit() with all shares 1.
 /// @param rules those of classify(), which hold for the moved points as well; the second form calls it.
 ///@{
 BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion, const EntityRules& rules,
@@ -92,5 +114,24 @@ BodyFitReport fitBody(BlockComplex& complex, const ConversionOptions& conversion
 BodyFitReport fitBody(
   BlockComplex& complex, const ConversionOptions& conversion, const BodyFitOptions& options, const Execution& run = {});
 ///@}
+
+/// How far the converted wall is from the wall's mesh points: its limit points from these. The same on all ranks.
+struct WallMotion
+{
+  Index wallPoints = 0;
+  /// Largest and median, as lengths and in heights of the first cell above the point.
+  double largest = 0.0, median = 0.0;
+  double largestInCells = 0.0, medianInCells = 0.0;
+  /// The mesh point with the largest distance; of several the smallest.
+  Vec3 where = Vec3::Zero();
+};
+
+/// @param given the mesh, @param fitted the same or with its wall moved. Collective.
+WallMotion wallMotion(const BlockComplex& given, const BlockComplex& fitted, const ConversionOptions& conversion,
+  const EntityRules& rules, const Execution& run = {});
+
+/// Wall points, not on creases, at which the wall's cells differ by more than 4 : 1 across a bend of more than 45
+/// degrees: there interpolation overshoots. Collective.
+Index bluntPoints(const BlockComplex& complex, const EntityRules& rules, const Ranks& ranks);
 
 } // namespace bsv

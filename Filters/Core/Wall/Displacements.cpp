@@ -227,14 +227,13 @@ void Displacements::unite(const SharedPoint& point, std::vector<std::vector<Mess
 namespace
 {
 
-/// Carries the displacement through a block.
+/// Follows the line through a block.
 /// @return whether it goes on into another one: `line` then enters that.
-bool passBlock(const BlockComplex& complex, MeshLine& line, Displacements& displacements)
+bool passBlock(const BlockComplex& complex, MeshLine& line, const VisitLine& visit)
 {
   const ComplexBlock& owner = complex.blocks[line.block];
   const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
   const int normal = faceDirection(line.face);
-  const Vec3 offset = vec3(line.offset);
   Ijk ijk = facePoint(cells, line.face, line.s, line.t);
   Vec3 below = owner.points(ijk);
   for (int k = 0; k <= cells[normal]; ++k)
@@ -250,7 +249,7 @@ bool passBlock(const BlockComplex& complex, MeshLine& line, Displacements& displ
     {
       return false;
     }
-    displacements.raise({ line.block, ijk }, { weight, weight * offset });
+    visit({ line.block, ijk }, weight, line);
   }
   const FaceContact contact = contactOf(complex, line.block, line.face ^ 1);
   if (contact.block < 0 || ++line.passed > static_cast<int>(complex.blocks.size()))
@@ -268,7 +267,7 @@ bool passBlock(const BlockComplex& complex, MeshLine& line, Displacements& displ
 
 } // namespace
 
-void carry(const BlockComplex& complex, std::vector<MeshLine> lines, Displacements& displacements, const Ranks& ranks)
+void follow(const BlockComplex& complex, std::vector<MeshLine> lines, const VisitLine& visit, const Ranks& ranks)
 {
   do
   {
@@ -276,9 +275,9 @@ void carry(const BlockComplex& complex, std::vector<MeshLine> lines, Displacemen
     ranks.together([&] {
       for (MeshLine& line : lines)
       {
-        while (passBlock(complex, line, displacements))
+        while (passBlock(complex, line, visit))
         {
-          if (!displacements.isHere(line.block))
+          if (complex.blocks[line.block].rank != ranks.rank())
           {
             toRank[complex.blocks[line.block].rank].push_back(line);
             break;
@@ -292,6 +291,16 @@ void carry(const BlockComplex& complex, std::vector<MeshLine> lines, Displacemen
       lines.insert(lines.end(), part.begin(), part.end());
     }
   } while (ranks.any(!lines.empty()));
+}
+
+void carry(const BlockComplex& complex, std::vector<MeshLine> lines, Displacements& displacements, const Ranks& ranks)
+{
+  follow(
+    complex, std::move(lines),
+    [&](const PointAt& point, double weight, const MeshLine& line) {
+      displacements.raise(point, { weight, weight * vec3(line.offset) });
+    },
+    ranks);
 }
 
 } // namespace bsv

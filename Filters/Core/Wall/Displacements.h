@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -114,9 +115,16 @@ struct MeshLine
   /// Displacement of the wall point, and how far it is carried.
   Triple offset;
   double reach;
+  /// Number of the wall point.
+  Index wallPoint;
 };
 
-/// Carries displacements along mesh lines that start on this rank, from block to block and from rank to rank.
+/// Follows mesh lines that start on this rank, from block to block and from rank to rank, as far as they reach: calls
+/// visit(point, weight, line) for every mesh point on the rank that has it.
+using VisitLine = std::function<void(const PointAt& point, double weight, const MeshLine& line)>;
+void follow(const BlockComplex& complex, std::vector<MeshLine> lines, const VisitLine& visit, const Ranks& ranks);
+
+/// Carries displacements along mesh lines.
 void carry(const BlockComplex& complex, std::vector<MeshLine> lines, Displacements& displacements, const Ranks& ranks);
 
 } // namespace bsv

@@ -165,23 +165,35 @@ void LimitRows::addVertex(const BlockComplex& complex, const EntityRules& rules,
     all = all && wall.isWall(star.faces[ring.faces[i]].face);
   }
   const int gap = features.size() == 2 ? features[1] - features[0] : 0;
-  if (all && n >= 3 && (features.empty() || (features.size() == 1 && !convexEdge)))
+  const bool smooth = n >= 3 && (features.empty() || (features.size() == 1 && !convexEdge));
+  std::vector<Index> points;
+  if (all)
   {
-    row.kind = Kind::Ring;
-    row.next = n;
     for (const int edge : ring.edges)
     {
-      row.points.push_back(next(edge));
+      points.push_back(next(edge));
     }
     for (const int f : ring.faces)
     {
       const FaceUse& use = complex.faces[star.faces[f].face].uses.front();
       const ComplexBlock& owner = complex.blocks[use.block];
       const int corner = star.faces[f].corner;
-      row.points.push_back(wall.id(use.block, use.face, corner & 1 ? owner.cells(faceAxis(use.face, 0)) - 1 : 1,
+      points.push_back(wall.id(use.block, use.face, corner & 1 ? owner.cells(faceAxis(use.face, 0)) - 1 : 1,
         corner >> 1 ? owner.cells(faceAxis(use.face, 1)) - 1 : 1));
     }
+  }
+  if (all && smooth)
+  {
+    row.kind = Kind::Ring;
+    row.next = n;
+    row.points = points;
     return;
+  }
+  // Two groups of two sectors beside a crease are regular, and without points between the features nothing changes.
+  const bool regular = n == 4 && features.size() == 2 && gap == 2;
+  if (all && !regular && static_cast<int>(features.size()) < n)
+  {
+    this->Creased[wall.vertexId(v)] = { points, features };
   }
   const bool onWall = features.size() == 2 && wall.hasEdge(star.edges[ring.edges[features[0]]].edge) &&
     wall.hasEdge(star.edges[ring.edges[features[1]]].edge);
@@ -203,7 +215,17 @@ void LimitRows::addVertex(const BlockComplex& complex, const EntityRules& rules,
 
 ExtraordinaryFans::ExtraordinaryFans(const LimitRows& rows, Index points, Twist twist)
   : Rule(twist)
+  , Creased(rows.creasedRings())
 {
+  const auto makeSlots = [&](const std::vector<Index>& ring) {
+    for (const Index at : ring)
+    {
+      if (rows.isTensor(at))
+      {
+        this->Slots[at]; // creates it
+      }
+    }
+  };
   for (Index id = 0; id < points; ++id)
   {
     const std::vector<Index>& ring = rows.ring(id);
@@ -213,14 +235,12 @@ ExtraordinaryFans::ExtraordinaryFans(const LimitRows& rows, Index points, Twist 
       this->Rings.push_back(ring);
       this->Feet.emplace_back();
       this->HasFoot.push_back(false);
-      for (const Index at : ring)
-      {
-        if (rows.isTensor(at))
-        {
-          this->Slots[at]; // creates it
-        }
-      }
+      makeSlots(ring);
     }
+  }
+  for (const auto& ring : this->Creased)
+  {
+    makeSlots(ring.second.points);
   }
 }
 
@@ -233,34 +253,59 @@ void ExtraordinaryFans::setFoot(std::size_t fan, const SurfaceGeometry& geometry
 
 void ExtraordinaryFans::correct(const std::vector<Vec3>& x, std::vector<Vec3>& values)
 {
-  for (std::size_t c = 0; c < this->Centers.size(); ++c)
-  {
-    const std::vector<Index>& ring = this->Rings[c];
-    const int n = static_cast<int>(ring.size() / 2);
+  const auto fanOf = [&](Index center, const std::vector<Index>& ring) {
+    const std::size_t n = ring.size() / 2;
     Fan fan;
-    fan.center = x[this->Centers[c]];
-    for (int i = 0; i < n; ++i)
+    fan.center = x[center];
+    for (std::size_t i = 0; i < n; ++i)
     {
       fan.spokes.push_back(x[ring[i]]);
       fan.sectors.push_back(x[ring[n + i]]);
     }
-    const Fan points = this->HasFoot[c] ? projectedFan(fan, this->Feet[c], this->Rule)
-                                        : smoothFan(fan, this->Rule, std::vector<double>(n, 2.0 / 3.0));
-    for (int i = 0; i < n; ++i)
+    return fan;
+  };
+  for (std::size_t c = 0; c < this->Centers.size(); ++c)
+  {
+    const Fan fan = fanOf(this->Centers[c], this->Rings[c]);
+    this->addChanges(this->Rings[c], fan,
+      this->HasFoot[c] ? projectedFan(fan, this->Feet[c], this->Rule)
+                       : smoothFan(fan, this->Rule, std::vector<double>(fan.spokeCount(), 2.0 / 3.0)));
+  }
+  for (const auto& [center, ring] : this->Creased)
+  {
+    const Fan fan = fanOf(center, ring.points);
+    const std::size_t n = fan.spokes.size();
+    std::vector<bool> kept(n, false);
+    for (const int feature : ring.features)
     {
-      const int before = (i + n - 1) % n, after = (i + 1) % n;
-      this->add(ring[i],
-        0.25 * points.spokes[i] - smoothMask(fan.sectors[before], fan.spokes[i], fan.sectors[i]) / 12.0 -
-          smoothMask(fan.spokes[before], fan.center, fan.spokes[after]) / 6.0);
-      this->add(ring[n + i],
-        (points.sectors[i] - (4.0 * fan.center + 2.0 * (fan.spokes[i] + fan.spokes[after]) + fan.sectors[i]) / 9.0) /
-          16.0);
+      kept[feature] = true;
     }
+    this->addChanges(ring.points, fan,
+      creasedFan(fan, ring.features, kept, std::vector<bool>(n, false), this->Rule, std::vector<double>(n, 2.0 / 3.0),
+        std::vector<SpokeKeep>(n))
+        .points);
   }
   for (auto& slot : this->Slots)
   {
+    // With a term of 0 it is a sum, even if all others have the same coordinate.
+    slot.second.add(1.0, Vec3::Zero());
     values[slot.first] += slot.second.result(1.0);
     slot.second.clear();
+  }
+}
+
+void ExtraordinaryFans::addChanges(const std::vector<Index>& ring, const Fan& fan, const Fan& points)
+{
+  const int n = fan.spokeCount();
+  for (int i = 0; i < n; ++i)
+  {
+    const int before = (i + n - 1) % n, after = (i + 1) % n;
+    this->add(ring[i],
+      0.25 * points.spokes[i] - smoothMask(fan.sectors[before], fan.spokes[i], fan.sectors[i]) / 12.0 -
+        smoothMask(fan.spokes[before], fan.center, fan.spokes[after]) / 6.0);
+    this->add(ring[n + i],
+      (points.sectors[i] - (4.0 * fan.center + 2.0 * (fan.spokes[i] + fan.spokes[after]) + fan.sectors[i]) / 9.0) /
+        16.0);
   }
 }
 

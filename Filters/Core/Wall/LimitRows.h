@@ -27,6 +27,14 @@ public:
 
   /// The points around an extraordinary vertex, inside the wall: next ones, then diagonals. Empty at all other points.
   const std::vector<Index>& ring(Index id) const;
+  /// Where creases or borders meet inside the wall so that points beside them do not follow the regular rule: the same,
+  /// and which of the next points lie on the features.
+  struct CreasedRing
+  {
+    std::vector<Index> points;
+    std::vector<int> features;
+  };
+  const std::map<Index, CreasedRing>& creasedRings() const { return this->Creased; }
   /// Whether the wall is regular there.
   bool isTensor(Index id) const { return this->Rows[id].kind == Kind::Tensor; }
 
@@ -63,6 +71,7 @@ private:
   void addVertex(const BlockComplex& complex, const EntityRules& rules, const Wall& wall, int v);
 
   std::vector<Row> Rows;
+  std::map<Index, CreasedRing> Creased;
 };
 
 /// What the rules at extraordinary vertices change in where the wall passes at the mesh points around them.
@@ -77,6 +86,7 @@ class ExtraordinaryFans
 public:
   ExtraordinaryFans(const LimitRows& rows, Index points, Twist twist);
 
+  /// Those of smooth vertices, which can follow a point of the body.
   std::size_t size() const { return this->Centers.size(); }
   Index center(std::size_t fan) const { return this->Centers[fan]; }
   void setFoot(std::size_t fan, const SurfaceGeometry& geometry);
@@ -85,10 +95,13 @@ public:
   void correct(const std::vector<Vec3>& x, std::vector<Vec3>& values);
 
 private:
+  /// Adds what the rule's result `points` changes around the fan of `ring`.
+  void addChanges(const std::vector<Index>& ring, const Fan& fan, const Fan& points);
   /// A point can lie next to several vertices.
   void add(Index id, const Vec3& change);
 
   Twist Rule;
+  std::map<Index, LimitRows::CreasedRing> Creased;
   std::vector<Index> Centers;
   std::vector<std::vector<Index>> Rings;
   std::vector<BodyFoot> Feet;

@@ -9,7 +9,11 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <random>
 
 using namespace bsv;
 using conversioncases::convert;
@@ -45,6 +49,29 @@ MeshCase bluntEdge(double a, double lean, double firstLayer)
   {
     mesh.boundaries.push_back({ b, 2, { { 0, 0 }, { Cells, Span } }, 0 });
   }
+  return mesh;
+}
+
+/// A curved box of 5^3 cells in eight blocks whose inner points are displaced at random by up to `amount` cells.
+MeshCase displacedBox(unsigned seed, double amount)
+{
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-amount, amount);
+  const Ijk cells{ 5, 5, 5 };
+  std::map<std::array<int, 3>, Vec3> offsets;
+  MeshCase mesh = meshcases::cutBox(cells, { { { 2 }, { 3 }, { 2 } } }, [&](const Vec3& x) {
+    const std::array<int, 3> at{ static_cast<int>(x[0]), static_cast<int>(x[1]), static_cast<int>(x[2]) };
+    const bool inner = std::all_of(at.begin(), at.end(), [](int i) { return i > 0 && i < 5; });
+    const auto [found, isNew] = offsets.emplace(at, Vec3::Zero());
+    if (isNew && inner)
+    {
+      for (int d = 0; d < 3; ++d)
+      {
+        found->second[d] = unit(random);
+      }
+    }
+    return Vec3(x + found->second);
+  });
   return mesh;
 }
 
@@ -115,4 +142,61 @@ TEST(ValidSpans, ThinStacks)
       EXPECT_EQ(notProven(converted), 0) << cubes.size() << " cubes, first layer " << firstLayer;
     }
   }
+}
+
+// Where smoothing folds valid cells, mesh points are moved until all spans are valid; shared control points stay equal,
+// joins as smooth, and the bits the same for any numbering, orientation and threads.
+TEST(ValidSpans, RepairOfWhatSmoothingFolds)
+{
+  Index failed = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed)
+  {
+    SCOPED_TRACE(seed);
+    MeshCase mesh = meshcases::randomBoxes(seed);
+    ConversionOptions options;
+    options.planarSides = PlanarSides::None;
+    options.repairSpans = false;
+    const Converted before = convert(mesh.mesh(), options);
+    options.repairSpans = true;
+    const Converted after = convert(mesh.mesh(), options);
+    EXPECT_EQ(after.report.spans.checked, before.report.spans.checked);
+    EXPECT_EQ(before.report.spans.left.size(), std::size_t(after.report.spans.failed));
+    EXPECT_LE(after.report.spans.left.size(), before.report.spans.left.size());
+    EXPECT_EQ(conversioncases::interfaceJumps(after).openControlPoints, 0);
+    if (before.report.spans.failed == 0)
+    {
+      EXPECT_TRUE(conversioncases::canonicalNet(after) == conversioncases::canonicalNet(before));
+      continue;
+    }
+    failed += before.report.spans.failed;
+    EXPECT_TRUE(conversioncases::canonicalNet(convert(mesh.mesh(), options, {}, conversioncases::twoThreads())) ==
+      conversioncases::canonicalNet(after));
+    MeshCase other = mesh;
+    meshcases::shuffle(other, seed, true);
+    EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), options)) == conversioncases::canonicalNet(after));
+  }
+  EXPECT_GT(failed, 0);
+}
+
+// Inverted cells: moved points make all spans valid, and none that was valid becomes invalid.
+TEST(ValidSpans, UntanglesDisplacedPoints)
+{
+  constexpr int Meshes = 20;
+  int valid = 0;
+  for (unsigned seed = 1; seed <= Meshes; ++seed)
+  {
+    SCOPED_TRACE(seed);
+    MeshCase mesh = displacedBox(seed, 0.7);
+    ConversionOptions options;
+    options.checkSpans = CheckSpans::All;
+    options.repairSpans = false;
+    const Converted before = convert(mesh.mesh(), options);
+    EXPECT_GT(before.complex.tangledCells, 0);
+    options.untangle = true;
+    const Converted after = convert(mesh.mesh(), options);
+    EXPECT_LE(notProven(after), notProven(before));
+    EXPECT_EQ(conversioncases::interfaceJumps(after).openControlPoints, 0);
+    valid += notProven(after) == 0 ? 1 : 0;
+  }
+  EXPECT_GE(valid, 19 * Meshes / 20);
 }
