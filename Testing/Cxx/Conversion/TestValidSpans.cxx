@@ -52,14 +52,14 @@ MeshCase bluntEdge(double a, double lean, double firstLayer)
   return mesh;
 }
 
-/// A curved box of 5^3 cells in eight blocks whose inner points are displaced at random by up to `amount` cells.
+/// A box of 5^3 cells whose inner points are displaced at random by up to `amount` cells.
 MeshCase displacedBox(unsigned seed, double amount)
 {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-amount, amount);
   const Ijk cells{ 5, 5, 5 };
   std::map<std::array<int, 3>, Vec3> offsets;
-  MeshCase mesh = meshcases::cutBox(cells, { { { 2 }, { 3 }, { 2 } } }, [&](const Vec3& x) {
+  MeshCase mesh = meshcases::cutBox(cells, {}, [&](const Vec3& x) {
     const std::array<int, 3> at{ static_cast<int>(x[0]), static_cast<int>(x[1]), static_cast<int>(x[2]) };
     const bool inner = std::all_of(at.begin(), at.end(), [](int i) { return i > 0 && i < 5; });
     const auto [found, isNew] = offsets.emplace(at, Vec3::Zero());
@@ -181,12 +181,12 @@ TEST(ValidSpans, RepairOfWhatSmoothingFolds)
 // Inverted cells: moved points make all spans valid, and none that was valid becomes invalid.
 TEST(ValidSpans, UntanglesDisplacedPoints)
 {
-  constexpr int Meshes = 20;
+  constexpr int Meshes = 10;
   int valid = 0;
   for (unsigned seed = 1; seed <= Meshes; ++seed)
   {
     SCOPED_TRACE(seed);
-    MeshCase mesh = displacedBox(seed, 0.7);
+    MeshCase mesh = displacedBox(seed, 2.0);
     ConversionOptions options;
     options.checkSpans = CheckSpans::All;
     options.repairSpans = false;
@@ -198,5 +198,5 @@ TEST(ValidSpans, UntanglesDisplacedPoints)
     EXPECT_EQ(conversioncases::interfaceJumps(after).openControlPoints, 0);
     valid += notProven(after) == 0 ? 1 : 0;
   }
-  EXPECT_GE(valid, 19 * Meshes / 20);
+  EXPECT_EQ(valid, Meshes);
 }
