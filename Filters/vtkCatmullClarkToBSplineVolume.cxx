@@ -229,10 +229,7 @@ WallPoints takeWallPoints(const bsv::BlockComplex& complex, const bsv::Conversio
       result.onBody = distances.inputPoints <= distances.limitPoints;
     }
   }
-  text << "input points taken as "
-       << (fit.leastSquares   ? "LeastSquares"
-              : result.onBody ? "OnBody"
-                              : "ControlNet");
+  text << "input points taken as " << (fit.leastSquares ? "LeastSquares" : result.onBody ? "OnBody" : "ControlNet");
   if (inputPoints == Filter::AUTOMATIC)
   {
     text << ", chosen automatically" << (options.body ? "" : ", as always without a body");
