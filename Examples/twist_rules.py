@@ -59,7 +59,7 @@ def read(arguments):
 
 def zebra(volume, patterns, towards):
     """The sampled wall with stripes by the angle between its normal and a direction."""
-    wall = data(surface(body_patches(data(pv.BSplineVolumeSampler(Input=volume, Level=3)), patterns)))
+    wall = data(surface(body_patches(data(pv.BSplineVolumeSampler(Input=volume, Level=4)), patterns)))
     normals = vtkPolyDataNormals()
     normals.SetInputData(wall)
     normals.SplittingOff()
@@ -68,7 +68,7 @@ def zebra(volume, patterns, towards):
     result = normals.GetOutput()
     n = vtk_to_numpy(result.GetPointData().GetNormals())
     angles = np.arccos(np.clip(n @ (np.asarray(towards) / np.linalg.norm(towards)), -1.0, 1.0))
-    stripes = numpy_to_vtk(np.where(np.sin(STRIPES * angles) > 0.0, 1.0, 0.0), deep=True)
+    stripes = numpy_to_vtk(0.5 + 0.5 * np.tanh(6.0 * np.sin(STRIPES * angles)), deep=True)
     stripes.SetName("Zebra")
     result.GetPointData().AddArray(stripes)
     return producer(result)
@@ -97,7 +97,7 @@ def main():
         towards = towards or list(body_viewpoint(body_patches(data(volume), patterns)))
         stripes = zebra(volume, patterns, towards)
         show(stripes, view, array=("POINTS", "Zebra"))
-        look(view, bounds(stripes), towards, zoom=1.4 * arguments.zoom, center=arguments.look_at)
+        look(view, bounds(stripes), towards, zoom=arguments.zoom, center=arguments.look_at)
     colors = pv.GetColorTransferFunction("Zebra")
     colors.RGBPoints = [0.0, 0.1, 0.1, 0.1, 1.0, 0.95, 0.95, 0.95]
     color_range("Zebra", 0.0, 1.0)

@@ -122,7 +122,14 @@ WallSamples::WallSamples(
   }
   for (Index i = 0; i < wall.size(); ++i)
   {
-    this->Free[i] = !rows.onFeature(i) && spans[i] == 4;
+    this->Free[i] = !rows.onFeature(i) && spans[i] > 0;
+  }
+  for (Index i = 0; i < wall.size(); ++i)
+  {
+    for (const Index next : rows.ring(i))
+    {
+      this->Free[next] = false;
+    }
   }
 }
 
