@@ -975,7 +975,11 @@ void tagBlocks(
   }
   removeMeshKeys(collection->GetFieldData());
   collection->GetFieldData()->AddArray(strings("MeshBlockKeys", keys));
-  collection->GetFieldData()->AddArray(ints("MeshBlockDimensions", 3, dimensions));
+  // Of volumes the sizes of blocks that are elsewhere are not known; each block has its own.
+  if (numberPoints)
+  {
+    collection->GetFieldData()->AddArray(ints("MeshBlockDimensions", 3, dimensions));
+  }
 }
 
 bool arraysFitBlocks(vtkFieldData* fields, const BlockMesh& mesh,
@@ -983,7 +987,7 @@ bool arraysFitBlocks(vtkFieldData* fields, const BlockMesh& mesh,
 {
   const std::vector<std::string> keys = stringsOf(fields, "MeshBlockKeys");
   const std::vector<int> dimensions = intsOf(fields, "MeshBlockDimensions", 3);
-  const bool counted = !keys.empty() && dimensions.size() == 3 * keys.size();
+  const bool counted = !keys.empty() && (dimensions.empty() || dimensions.size() == 3 * keys.size());
   const bool anyArray =
     fields && (fields->HasArray("Interfaces") || fields->HasArray("Boundaries") || fields->HasArray("CreaseEdges"));
   bool fits = true;
@@ -999,8 +1003,7 @@ bool arraysFitBlocks(vtkFieldData* fields, const BlockMesh& mesh,
   fits = keys.size() == mesh.blocks.size();
   for (std::size_t b = 0; b < mesh.blocks.size() && fits; ++b)
   {
-    // Sizes of blocks of other ranks may be unknown.
-    fits = dimensions[3 * b] == 0 ||
+    fits = dimensions.empty() ||
       std::equal(dimensions.begin() + 3 * b, dimensions.begin() + 3 * b + 3, mesh.blocks[b].points.counts().begin());
     if (fits && grids[b] && grids[b]->GetFieldData()->HasArray("BlockKey"))
     {

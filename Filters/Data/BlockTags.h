@@ -13,8 +13,9 @@
 /// - `BlockFirstPoint`: number of its first point, and the point array `MeshPointIds` from there on: where in the block
 ///   each point was, through Extract Subset with or without sampling, Reflect, and what makes it unstructured
 ///
-/// and the mesh has `MeshBlockKeys` (string) and `MeshBlockDimensions` (int, 3), which tell whether its blocks are
-/// still those that its arrays count. If so the arrays of the mesh are taken, else those of the blocks.
+/// and the mesh has `MeshBlockKeys` (string) and, unless it is a volume, `MeshBlockDimensions` (int, 3), which tell
+/// whether its blocks are still those that its arrays count. If so the arrays of the mesh are taken, else those of the
+/// blocks.
 #pragma once
 
 #include "BSplineVolumeFiltersModule.h"
