@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs those packages of debian-packages.txt that are missing; does nothing if there are none.
+# Installs those packages of a list in this folder, debian-packages.txt unless an argument names another, that are missing;
+# does nothing if there are none.
 set -eu
 
 # Debian's testing has no number.
 release=$(. /etc/os-release && echo "${VERSION_ID:-testing}")
-packages=$(sed 's/#.*//' "$(dirname "$0")/debian-packages.txt" | awk -F: -v release="$release" '
+packages=$(sed 's/#.*//' "$(dirname "$0")/${1:-debian-packages.txt}" | awk -F: -v release="$release" '
   NF == 1 { print }
   NF == 2 && index(" " $1 " ", " " release " ") { print $2 }')
 missing=

@@ -2,6 +2,7 @@
 """vtkBSplineVolumeSampler through its proxy: output data, watertight faces, nested levels, derivatives, errors."""
 import os
 import sys
+import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bsv_support import (aborted, simple, vtk, blocks, collection, coordinates, demo_mesh, dimensions, failure, field,
@@ -180,6 +181,43 @@ def test_errors():
 
 def test_abort():
     aborted(sampler(DEMO, Level=2))
+
+
+def test_refinement_at_walls():
+    """Classes of parallel spans: conforming, nested in the uniform level bit for bit, with far fewer cells."""
+    uniform, _ = update(sampler(DEMO, Level=2))
+    coarse, _ = update(sampler(DEMO, Level=0))
+    proxy = sampler(DEMO, Level=0, WallLevel=2)
+    fine, warnings = update(proxy)
+    assert not warnings
+    assert uniform.GetNumberOfElements(1) > 50 * fine.GetNumberOfElements(1) > 50 * coarse.GetNumberOfElements(1)
+    proxy.UpdatePropertyInformation()
+    report = proxy.GetProperty("Report").GetData()
+    assert "%d cells" % fine.GetNumberOfElements(1) in report and "at level 2" in report, report
+    for few, many in zip(blocks(fine), blocks(uniform)):
+        known = set(values(coordinates(many)))
+        assert all(point in known for point in values(coordinates(few)))
+    # The reader of the neutral map compares the points of all contacts.
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "a.xyz")
+        simple.SaveData(path, proxy=proxy)
+        back, _ = update(simple.HexBlockMeshReader(FileName=path))
+        assert len(field(back, "Interfaces")) == len(field(fine, "Interfaces"))
+
+    def cells(**properties):
+        return update(sampler(DEMO, Level=0, **properties))[0].GetNumberOfElements(1)
+    assert cells(WallLevel=2, WallLayers=2) > cells(WallLevel=2)
+    assert cells(TangentialLevel=1) > cells(TangentialLevel=0) == coarse.GetNumberOfElements(1)
+    assert cells(BlockLevels=[0, 2, 1]) > coarse.GetNumberOfElements(1)
+    assert cells(FirstCellHeight=1e9) == cells(ChordError=1e9) == coarse.GetNumberOfElements(1)
+    # A height between those of levels 1 and 2 takes level 2.
+    proxy = sampler(DEMO, Level=0, FirstCellHeight=0.012)
+    assert update(proxy)[0].GetNumberOfElements(1) == fine.GetNumberOfElements(1)
+    assert cells(ChordError=1e-3) > coarse.GetNumberOfElements(1)
+    error = failure(sampler(DEMO, Level=0, BlockLevels=[99, 0, 1]))
+    assert "no block 99" in error
+    _, warnings = update(sampler(DEMO, Level=0, WallLevel=2, BodyBoundaries=["nothing"]))
+    assert "no span is refined" in warnings[0]
 
 
 if __name__ == "__main__":
