@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkCatmullClarkToBSplineVolume.h"
 
+#include "Body/BodyEdges.h"
 #include "Complex/BlockComplex.h"
+#include "Complex/CreaseEdges.h"
 #include "Complex/EntityClass.h"
 #include "Complex/MeshDoctor.h"
 #include "Conversion/Conversion.h"
@@ -651,13 +653,38 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         ", but no block of the mesh has such a name; the first one is '" + mesh.blocks[0].name + "'");
     }
 
+    // The body.
+    std::unique_ptr<const bsv::BodySurface> body;
+    vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
+    if (ranks.any(given != nullptr))
+    {
+      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, ranks);
+      ranks.together([&] {
+        bsv::Execution alone = execution(0.0, 0.1);
+        alone.ranks = bsv::aloneRank();
+        body = std::make_unique<bsv::BodySurface>(patches, alone);
+      });
+      options.body = body.get();
+    }
+
     // The complex.
     bsv::BlockComplexOptions complexOptions;
     complexOptions.matchTolerance = this->MatchTolerance;
     complexOptions.allowDegenerate = this->AllowDegenerate;
     complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
-    bsv::BlockComplex complex = bsv::buildBlockComplex(mesh, complexOptions, execution(0.0, 0.27));
-    const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, execution(0.27, 0.3));
+    bsv::CreaseRules creases;
+    creases.contrast = this->CreaseContrast;
+    for (std::size_t tag = 0; tag < mesh.boundaryNames.size(); ++tag)
+    {
+      creases.bodyTags.push_back(
+        static_cast<int>(tag) == selected || bsv::matchesAny(this->BodyBoundaries, mesh.boundaryNames[tag]));
+    }
+    if (body)
+    {
+      creases.bodyTurn = [&](const bsv::Vec3& x, double length) { return bsv::bodyTurn(*body, x, length); };
+    }
+    bsv::BlockComplex complex = bsv::buildBlockComplex(mesh, complexOptions, creases, nullptr, execution(0.1, 0.37));
+    const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, execution(0.37, 0.4));
     if (!this->AllowOpenInterior)
     {
       bsv::refuseSuspicious(mesh, diagnosis);
@@ -692,19 +719,6 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     options.repairSpans = this->RepairSpans;
     options.untangle = this->Untangle;
 
-    // The body.
-    std::unique_ptr<const bsv::BodySurface> body;
-    vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
-    if (ranks.any(given != nullptr))
-    {
-      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, ranks);
-      ranks.together([&] {
-        bsv::Execution alone = execution(0.3, 0.4);
-        alone.ranks = bsv::aloneRank();
-        body = std::make_unique<bsv::BodySurface>(patches, alone);
-      });
-      options.body = body.get();
-    }
     bsv::BodyFitOptions fit;
     fit.body = options.body;
     fit.tolerance = this->FitTolerance;
@@ -833,6 +847,7 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << '\n';
   os << indent << "UseCreaseAngle: " << (this->UseCreaseAngle ? "On" : "Off") << '\n';
   os << indent << "CreaseAngle: " << this->CreaseAngle << '\n';
+  os << indent << "CreaseContrast: " << this->CreaseContrast << '\n';
   os << indent << "PlanarSides: " << this->PlanarSides << '\n';
   os << indent << "PlanarTolerance: " << this->PlanarTolerance << '\n';
   os << indent << "Twist: " << this->Twist << '\n';

@@ -197,6 +197,17 @@ public:
 
   ///@{
   /**
+   * Of the edges that turn by more than CreaseAngle those are creases at which the surface turns this many times more
+   * than at the next mesh edges on both sides, so that the round nose of a coarse mesh is none (CreaseEdges.h). On the
+   * walls, if there is a Body, its own edges decide instead: creases are where it turns by more than CreaseAngle
+   * itself. At least 0, which takes all; default 7.
+   */
+  vtkSetMacro(CreaseContrast, double);
+  vtkGetMacro(CreaseContrast, double);
+  ///@}
+
+  ///@{
+  /**
    * Planar sides that keep their mesh points: those of the far field (default), that is planar sides of the outer
    * boundary that are neither body nor symmetry plane, where a side ends at sharp edges, has the whole mesh behind it
    * and borders on planar sides only, and the sides to which a far-field extension is attached; every planar block side
@@ -430,6 +441,7 @@ private:
   std::vector<std::array<int, 2>> BodyFaces;
   bool UseCreaseAngle = false;
   double CreaseAngle = 30.0;
+  double CreaseContrast = 7.0;
   int PlanarSides = FAR_FIELD;
   double PlanarTolerance = 1e-6;
   int Twist = SECOND_FUNDAMENTAL_FORM;

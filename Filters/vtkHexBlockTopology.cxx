@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkHexBlockTopology.h"
 
+#include "Body/BodyEdges.h"
 #include "Complex/BlockComplex.h"
+#include "Complex/CreaseEdges.h"
 #include "Complex/EntityClass.h"
 #include "Complex/MeshDoctor.h"
 #include "Data/HexBlockData.h"
+#include "Data/NURBSSurfaceData.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
 
@@ -31,6 +34,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -47,12 +51,14 @@ struct Outputs
   vtkPartitionedDataSetCollection* topology;
   vtkPolyData* surface;
   vtkTable* findings;
+  vtkPolyData* creases;
 
   void Initialize()
   {
     this->topology->Initialize();
     this->surface->Initialize();
     this->findings->Initialize();
+    this->creases->Initialize();
   }
 };
 
@@ -400,6 +406,35 @@ void fillOuterSurface(
   output->GetFieldData()->AddArray(stringArray("FindingNames", bsv::meshFindingNames()));
 }
 
+/// The edges of one rank that creases were chosen from.
+void fillCreases(vtkPolyData* output, const std::vector<bsv::TurningEdge>& turning)
+{
+  const auto kinds = namedArray<vtkUnsignedCharArray>("Crease");
+  const std::array<vtkSmartPointer<vtkDoubleArray>, 3> angles{ namedArray<vtkDoubleArray>("Angle"),
+    namedArray<vtkDoubleArray>("Nearby"), namedArray<vtkDoubleArray>("BodyAngle") };
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> cells;
+  for (const bsv::TurningEdge& edge : turning)
+  {
+    const vtkIdType first = points->InsertNextPoint(edge.ends[0].data());
+    points->InsertNextPoint(edge.ends[1].data());
+    cells->InsertNextCell({ first, first + 1 });
+    kinds->InsertNextValue(edge.tagged ? 2 : edge.crease ? 1 : edge.borderline ? 3 : 0);
+    angles[0]->InsertNextValue(edge.angle);
+    angles[1]->InsertNextValue(edge.nearby);
+    angles[2]->InsertNextValue(edge.bodyAngle);
+  }
+  output->SetPoints(points);
+  output->SetLines(cells);
+  output->GetCellData()->AddArray(kinds);
+  for (const auto& angle : angles)
+  {
+    output->GetCellData()->AddArray(angle);
+  }
+  output->GetCellData()->SetActiveScalars("Crease");
+}
+
 /// @param rows false for the columns alone.
 void fillFindings(vtkTable* table, const bsv::BlockMesh& mesh, const bsv::MeshDiagnosis& diagnosis, bool rows)
 {
@@ -449,20 +484,50 @@ void fillFindings(vtkTable* table, const bsv::BlockMesh& mesh, const bsv::MeshDi
 //------------------------------------------------------------------------------
 vtkHexBlockTopology::vtkHexBlockTopology()
 {
-  this->SetNumberOfOutputPorts(3);
+  this->SetNumberOfInputPorts(2);
+  this->SetNumberOfOutputPorts(4);
+}
+
+//------------------------------------------------------------------------------
+void vtkHexBlockTopology::AddBodyBoundary(const char* pattern)
+{
+  if (pattern && *pattern)
+  {
+    this->BodyBoundaries.emplace_back(pattern);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkHexBlockTopology::ClearBodyBoundaries()
+{
+  this->BodyBoundaries.clear();
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkHexBlockTopology::SetBodyConnection(vtkAlgorithmOutput* output)
+{
+  this->SetInputConnection(1, output);
 }
 
 //------------------------------------------------------------------------------
 int vtkHexBlockTopology::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  static const char* const types[] = { "vtkPartitionedDataSetCollection", "vtkPolyData", "vtkTable" };
+  static const char* const types[] = { "vtkPartitionedDataSetCollection", "vtkPolyData", "vtkTable", "vtkPolyData" };
   info->Set(vtkDataObject::DATA_TYPE_NAME(), types[port]);
   return 1;
 }
 
 //------------------------------------------------------------------------------
-int vtkHexBlockTopology::FillInputPortInformation(int, vtkInformation* info)
+int vtkHexBlockTopology::FillInputPortInformation(int port, vtkInformation* info)
 {
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+    return 1;
+  }
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
@@ -477,7 +542,8 @@ int vtkHexBlockTopology::RequestData(
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
   auto* surface = vtkPolyData::GetData(outputVector, 1);
   auto* findings = vtkTable::GetData(outputVector, 2);
-  if (!input || !output || !surface || !findings)
+  auto* creases = vtkPolyData::GetData(outputVector, 3);
+  if (!input || !output || !surface || !findings || !creases)
   {
     vtkErrorMacro("Input or output is missing.");
     return 0;
@@ -489,7 +555,7 @@ int vtkHexBlockTopology::RequestData(
   this->NumberOfComponents = this->NumberOfFindings = this->NumberOfSuspiciousFindings = 0;
   this->Report.clear();
 
-  Outputs outputs{ output, surface, findings };
+  Outputs outputs{ output, surface, findings, creases };
   return bsv::execute(this, &outputs, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.6);
@@ -499,8 +565,23 @@ int vtkHexBlockTopology::RequestData(
     options.matchTolerance = this->MatchTolerance;
     options.allowDegenerate = this->AllowDegenerate;
     options.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
+    bsv::CreaseRules rules;
+    rules.contrast = this->CreaseContrast;
+    for (const std::string& name : mesh.boundaryNames)
+    {
+      rules.bodyTags.push_back(bsv::matchesAny(this->BodyBoundaries, name));
+    }
+    std::unique_ptr<const bsv::BodySurface> body;
+    vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
+    if (run.ranks->any(given != nullptr) && !mesh.blocks.empty())
+    {
+      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, *run.ranks);
+      run.ranks->together([&] { body = std::make_unique<bsv::BodySurface>(patches); });
+      rules.bodyTurn = [&](const bsv::Vec3& x, double length) { return bsv::bodyTurn(*body, x, length); };
+    }
+    std::vector<bsv::TurningEdge> turning;
     const bsv::BlockComplex complex =
-      mesh.blocks.empty() ? bsv::BlockComplex{} : bsv::buildBlockComplex(mesh, options, run);
+      mesh.blocks.empty() ? bsv::BlockComplex{} : bsv::buildBlockComplex(mesh, options, rules, &turning, run);
     const bsv::EntityClasses classes = bsv::classifyEntities(complex);
 
     const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, bsv::filterExecution(this, 0.6, 0.8));
@@ -555,6 +636,7 @@ int vtkHexBlockTopology::RequestData(
     }
     fillOuterSurface(surface, complex, diagnosis, rank);
     fillFindings(findings, mesh, diagnosis, rank == 0);
+    fillCreases(creases, turning);
     vtkNew<vtkIntArray> parents;
     parents->SetName("ParentBlock");
     for (const bsv::ComplexBlock& block : complex.blocks)
@@ -591,5 +673,7 @@ void vtkHexBlockTopology::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "AllowDegenerate: " << (this->AllowDegenerate ? "On" : "Off") << '\n';
   os << indent << "UseCreaseAngle: " << (this->UseCreaseAngle ? "On" : "Off") << '\n';
   os << indent << "CreaseAngle: " << this->CreaseAngle << '\n';
+  os << indent << "CreaseContrast: " << this->CreaseContrast << '\n';
+  os << indent << "BodyBoundaries: " << bsv::quotedList(this->BodyBoundaries) << '\n';
   os << indent << "Report: " << this->Report << '\n';
 }

@@ -42,6 +42,14 @@
  * least MatchTolerance that would glue it; 0 if none would), `X`, `Y`, `Z` (where), `Description`. Suspicious are
  * blocks that seem to be meant to meet and do not; a warning counts them. On several ranks the first has all rows.
  *
+ * Fourth output, `Creases`: a vtkPolyData of the mesh edges of the outer surface, before cutting, that turn by
+ * CreaseAngle or more (none if UseCreaseAngle is off), with the cell arrays `Crease` (unsigned char: 0 smooth, 1
+ * crease, 2 tagged crease, 3 within rounding of a limit and therefore smooth), `Angle` (degrees between the normals),
+ * `Nearby` (the largest at the next mesh edges on both sides) and `BodyAngle` (by which the body turns; -1 where it
+ * does not decide). The report tells how many there are of each, and the numbers of blocks before and after cutting.
+ *
+ * Second input, optional: the body as a tree of NURBS surfaces (vtkNURBSSurfaceReader).
+ *
  * On several ranks each gives the entities whose first block is one of its own, with the numbers that they have in the
  * whole complex; counts and field data are those of all.
  *
@@ -53,6 +61,7 @@
 #define vtkHexBlockTopology_h
 
 #include "BSplineVolumeFiltersModule.h" // For export macro
+#include "Data/BoundaryPatterns.h"      // For BodyBoundaries
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 
 #include <string> // For the report
@@ -102,6 +111,30 @@ public:
 
   ///@{
   /**
+   * Of the edges that turn by more than CreaseAngle those are creases at which the surface turns this many times more
+   * than at the next mesh edges on both sides (CreaseEdges.h); on the walls of a connected body, those at which the
+   * body itself turns by more than CreaseAngle. At least 0, which takes all; default 7.
+   */
+  vtkSetMacro(CreaseContrast, double);
+  vtkGetMacro(CreaseContrast, double);
+  ///@}
+
+  ///@{
+  /**
+   * Names of the boundaries that form the wall of the connected body; * and ? are wildcards, case does not matter.
+   * Default: what solvers call walls (BoundaryPatterns.h).
+   */
+  void AddBodyBoundary(const char* pattern);
+  void ClearBodyBoundaries();
+  ///@}
+
+  /**
+   * The body, second input.
+   */
+  void SetBodyConnection(vtkAlgorithmOutput* output);
+
+  ///@{
+  /**
    * What the last execution found.
    */
   vtkGetMacro(NumberOfInputBlocks, int);
@@ -137,6 +170,8 @@ private:
   bool AllowDegenerate = false;
   bool UseCreaseAngle = false;
   double CreaseAngle = 30.0;
+  double CreaseContrast = 7.0;
+  bsv::BoundaryPatterns BodyBoundaries = bsv::defaultBodyBoundaries();
 
   int NumberOfInputBlocks = 0;
   int NumberOfBlocks = 0;

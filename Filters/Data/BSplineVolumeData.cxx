@@ -142,8 +142,8 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks
       }
       result.weights[b] = doublePointArray(grid, "Weights", 1, result.names[b]);
       volume.weights = result.weights[b] ? result.weights[b]->GetPointer(0) : nullptr;
-      checkBSplineVolume(volume, label);
       volume.points = doublePoints(grid);
+      checkBSplineVolume(volume, label);
       result.rational[b] = volume.weights ? 1 : 0;
       result.rules[b] = rulesOf(grid, label);
       auto* classes = vtkUnsignedCharArray::SafeDownCast(grid->GetFieldData()->GetAbstractArray("EdgeClasses"));

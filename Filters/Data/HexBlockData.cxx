@@ -26,6 +26,7 @@
 #include <cctype>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <memory>
 
 namespace bsv
@@ -114,6 +115,12 @@ Ijk pointCounts(vtkStructuredGrid* grid, const std::string& name)
       throw Error("Block '" + name + "' has " + std::to_string(counts[0]) + " x " + std::to_string(counts[1]) + " x " +
         std::to_string(counts[2]) + " points; hexahedra need at least 2 in each direction.");
     }
+  }
+  // Any two numbers below 2^31 have a product; three may have none.
+  if (Index(counts[0]) * counts[1] > std::numeric_limits<Index>::max() / 3 / counts[2])
+  {
+    throw Error("Block '" + name + "' says that it has " + std::to_string(counts[0]) + " x " +
+      std::to_string(counts[1]) + " x " + std::to_string(counts[2]) + " points, more than can be counted.");
   }
   const Index size = Index(counts[0]) * counts[1] * counts[2];
   if (!grid->GetPoints() || grid->GetNumberOfPoints() != size)

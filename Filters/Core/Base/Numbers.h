@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Numbers.h
-/// Three numbers as what ranks send of a point or vector.
+/// Three numbers as what ranks send of a point or vector; pi and degrees.
 #pragma once
 
 #include "Base/Types.h"
@@ -9,6 +9,9 @@
 
 namespace bsv
 {
+
+constexpr double Pi = 3.14159265358979323846;
+constexpr double DegreesPerRadian = 180.0 / Pi;
 
 /// A point or vector as plain numbers: ranks send it, and it can be a key of a map.
 using Triple = std::array<double, 3>;

@@ -2,7 +2,9 @@
 #include "Complex/BlockComplex.h"
 
 #include "Base/UnionFind.h"
+#include "Complex/CreaseEdges.h"
 #include "Complex/Gluing.h"
+#include "Complex/Limits.h"
 #include "Complex/Splitting.h"
 #include "Mesh/BlockSurface.h"
 #include "Mesh/MeshCheck.h"
@@ -138,7 +140,7 @@ private:
 class Builder
 {
 public:
-  Builder(const BlockMesh& mesh, const BlockComplexOptions& options, const Execution& run)
+  Builder(const BlockMesh& mesh, const BlockComplexOptions& options, const CreaseRules& rules, const Execution& run)
     : Part(mesh, *run.ranks)
     , Mesh(this->Part.mesh())
     , Options(options)
@@ -147,11 +149,13 @@ public:
     , Check(checkMesh(mesh, options.allowDegenerate, this->part(0.0, 0.4)))
     , Surface(mesh)
     , Links(glue(this->Part, this->Surface, this->Check.leftHanded, options, this->part(0.4, 0.8)))
-    , Creases(mesh, this->Surface, this->Links, this->Check.leftHanded, options.creaseAngle, *run.ranks)
+    , Creases(mesh, this->Surface, this->Links, this->Check.leftHanded, options.creaseAngle, rules, *run.ranks)
     , Cuts(cutPositions(mesh, this->Surface, this->Links, this->Creases, run))
   {
     this->report(0.85);
   }
+
+  const std::vector<TurningEdge>& turning() const { return this->Creases.turning(); }
 
   BlockComplex build()
   {
@@ -162,6 +166,7 @@ public:
     this->makePieces();
     this->makeFaces();
     this->makeVerticesAndEdges();
+    this->refuseCrowds();
     this->report(0.9);
     this->fetchContacts();
     this->refuseFoldedContacts();
@@ -377,6 +382,45 @@ private:
       if (face.boundary())
       {
         this->markBoundary(face.uses[0]);
+      }
+    }
+  }
+
+  void refuseCrowds() const
+  {
+    const auto refuse = [&](const std::string& what, int block, const Ijk& at) {
+      throw Error("more than " + std::to_string(MostBlocksAtEdge) + " " + what + " of " +
+        this->Result.blocks[block].name + " at its point " + text(at));
+    };
+    const auto corner = [&](const CornerUse& use) {
+      const ComplexBlock& block = this->Result.blocks[use.block];
+      Ijk at;
+      for (int d = 0; d < 3; ++d)
+      {
+        at[d] = cornerSide(use.corner, d) * block.cells(d);
+      }
+      return at;
+    };
+    for (const ComplexEdge& edge : this->Result.edges)
+    {
+      if (edge.valence() > MostBlocksAtEdge)
+      {
+        const EdgeUse& use = edge.uses.front();
+        refuse("blocks meet at the edge", use.block, corner({ use.block, edgeCorner(use.edge, 0) }));
+      }
+    }
+    std::vector<int> faces(this->Result.vertices.size(), 0);
+    for (const ComplexFace& face : this->Result.faces)
+    {
+      const FaceUse& use = face.uses.front();
+      for (int c = 0; c < 4 && face.boundary(); ++c)
+      {
+        const int vertex = this->Result.blocks[use.block].vertices[faceCorner(use.face, c & 1, c >> 1)];
+        if (++faces[vertex] > MostBlocksAtEdge)
+        {
+          const CornerUse& at = this->Result.vertices[vertex].corners.front();
+          refuse("boundary faces meet at the vertex", at.block, corner(at));
+        }
       }
     }
   }
@@ -699,6 +743,7 @@ private:
 
   void tell()
   {
+    this->Result.notes = this->Creases.notes();
     this->Result.tangledCells = this->Check.tangledCells;
     std::vector<std::string> leftHanded;
     std::vector<std::string> split;
@@ -751,6 +796,12 @@ private:
 
 BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions& options, const Execution& run)
 {
+  return buildBlockComplex(mesh, options, {}, nullptr, run);
+}
+
+BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions& options, const CreaseRules& rules,
+  std::vector<TurningEdge>* turning, const Execution& run)
+{
   if (!(options.matchTolerance > 0.0 && options.matchTolerance < 0.5))
   {
     throw Error("Match Tolerance " + text(options.matchTolerance) + " is not between 0 and 0.5");
@@ -759,7 +810,16 @@ BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions&
   {
     throw Error("Crease Angle " + text(options.creaseAngle) + " is not between 0 and 180 degrees");
   }
-  return Builder(mesh, options, run).build();
+  if (!(rules.contrast >= 0.0))
+  {
+    throw Error("Crease Contrast " + text(rules.contrast) + " is not 0 or more");
+  }
+  Builder builder(mesh, options, rules, run);
+  if (turning)
+  {
+    *turning = builder.turning();
+  }
+  return builder.build();
 }
 
 Ijk facePoint(const Ijk& cells, int face, int s, int t)

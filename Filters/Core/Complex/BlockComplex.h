@@ -24,8 +24,8 @@ struct BlockComplexOptions
   bool findInterfaces = true;
   /// Keep faces and cells of zero extent instead of refusing them; collapsed quadrilaterals are then boundaries.
   bool allowDegenerate = false;
-  /// A mesh edge of the outer boundary is a crease where the normals of its two boundary quadrilaterals differ by more
-  /// than this. Degrees, range [0, 180]; 180 turns the search off.
+  /// A mesh edge of the outer boundary can be a crease where the normals of its two quadrilaterals differ by more than
+  /// this (CreaseEdges.h says which are). Degrees, range [0, 180]; 180 turns the search off.
   double creaseAngle = 180.0;
 };
 
@@ -65,7 +65,7 @@ struct ComplexEdge
   /// All block edges that meet here; their number is the valence.
   std::vector<EdgeUse> uses;
   bool boundary = false;
-  /// Tagged as crease, or sharper than BlockComplexOptions::creaseAngle. Only boundary edges can be creases.
+  /// Tagged as crease, or sharp (CreaseEdges.h). Only boundary edges can be creases.
   bool crease = false;
 
   int valence() const { return static_cast<int>(this->uses.size()); }

@@ -2,6 +2,7 @@
 #include "Complex/MeshDoctor.h"
 
 #include "Base/BoxTree.h"
+#include "Base/Numbers.h"
 #include "Base/UnionFind.h"
 #include "Complex/OuterSurface.h"
 #include "Mesh/BlockSurface.h"
@@ -30,7 +31,7 @@ constexpr double NearLimit = 0.6;
 /// Cosine of the angle between normals from which two quadrilaterals face each other: 120 degrees.
 constexpr double FacingCosine = -0.5;
 /// Cosine of the turn up to which a surface is smooth: 40 degrees.
-const double SmoothCosine = std::cos(40.0 * std::acos(-1.0) / 180.0);
+const double SmoothCosine = std::cos(40.0 / DegreesPerRadian);
 /// A near part is one of walls if the surface goes on from at least this fraction of its border.
 constexpr int BorderShare = 8;
 /// Quadrilaterals across which an edge between two sides of a thin wall is looked for.
@@ -39,18 +40,6 @@ constexpr int WidestRim = 8;
 constexpr double SamePlace = 0.05;
 /// Quadrilaterals per direction of a tile.
 constexpr int TileSize = 8;
-
-using Point = std::array<double, 3>;
-
-Point plain(const Vec3& x)
-{
-  return { x[0], x[1], x[2] };
-}
-
-Vec3 vector(const Point& x)
-{
-  return Vec3(x.data());
-}
 
 bool before(const Vec3& a, const Vec3& b)
 {
@@ -136,17 +125,17 @@ struct Tile
 /// What all ranks know of a tile.
 struct TileShape
 {
-  Point lo{ 0, 0, 0 }, hi{ 0, 0, 0 };
+  Triple lo{ 0, 0, 0 }, hi{ 0, 0, 0 };
   /// Cone of the normals.
-  Point axis{ 0, 0, 0 };
+  Triple axis{ 0, 0, 0 };
   double spread = 0.0;
   /// Lexicographically first center.
-  Point first{ 0, 0, 0 };
+  Triple first{ 0, 0, 0 };
   /// Sums of area . center, and of area.
   double flux = 0.0;
-  Point area{ 0, 0, 0 };
+  Triple area{ 0, 0, 0 };
 
-  Box box() const { return Box(vector(this->lo), vector(this->hi)); }
+  Box box() const { return Box(vec3(this->lo), vec3(this->hi)); }
 };
 
 /// Two quadrilaterals that nearly face each other.
@@ -155,7 +144,7 @@ struct NearPair
   Index a = -1, b = -1;
   double fraction = 0.0;
   double distance = 0.0;
-  Point place{ 0, 0, 0 };
+  Triple place{ 0, 0, 0 };
   /// Corner of b for each corner of a, if they can be matched.
   std::array<int, 4> corners{ -1, -1, -1, -1 };
   std::array<double, 4> distances{ 0, 0, 0, 0 };
@@ -170,16 +159,16 @@ struct NearPair
 
 struct Ray
 {
-  Point from{ 0, 0, 0 };
-  Point along{ 0, 0, 0 };
+  Triple from{ 0, 0, 0 };
+  Triple along{ 0, 0, 0 };
   Index quad = -1;
 };
 
 /// Shape of a quadrilateral that was asked for.
 struct QuadShape
 {
-  Point normal{ 0, 0, 0 };
-  Point center{ 0, 0, 0 };
+  Triple normal{ 0, 0, 0 };
+  Triple center{ 0, 0, 0 };
   /// Shortest mesh edge at each corner.
   std::array<double, 4> shortest{ 0, 0, 0, 0 };
 };
@@ -322,12 +311,12 @@ private:
     {
       least = std::min(least, normals[n].dot(axis));
     }
-    shape.lo = plain(box.min());
-    shape.hi = plain(box.max());
-    shape.axis = plain(axis);
-    shape.spread = turned ? std::acos(-1.0) : std::acos(std::max(-1.0, least));
-    shape.first = plain(first);
-    shape.area = plain(area);
+    shape.lo = triple(box.min());
+    shape.hi = triple(box.max());
+    shape.axis = triple(axis);
+    shape.spread = turned ? Pi : std::acos(std::max(-1.0, least));
+    shape.first = triple(first);
+    shape.area = triple(area);
     return shape;
   }
 
@@ -335,7 +324,7 @@ private:
   bool canFace(const TileShape& a, const TileShape& b) const
   {
     // A little more than the angle between them needs.
-    const double angle = std::acos(std::min(1.0, std::max(-1.0, vector(a.axis).dot(vector(b.axis)))));
+    const double angle = std::acos(std::min(1.0, std::max(-1.0, vec3(a.axis).dot(vec3(b.axis)))));
     return angle + a.spread + b.spread > 1.9;
   }
   ///@}
@@ -496,7 +485,7 @@ private:
     }
     pair.matched = std::min(inA, inB) <= NearLimit;
     pair.corners = corners;
-    pair.place = plain(0.5 * (a.center() + b.center()));
+    pair.place = triple(0.5 * (a.center() + b.center()));
     if (pair.matched)
     {
       pair.near = true;
@@ -601,8 +590,8 @@ private:
   static QuadShape shapeOf(const OuterCell& cell)
   {
     QuadShape result;
-    result.normal = plain(cell.area().stableNormalized());
-    result.center = plain(cell.center());
+    result.normal = triple(cell.area().stableNormalized());
+    result.center = triple(cell.center());
     for (int c = 0; c < 4; ++c)
     {
       result.shortest[c] = std::numeric_limits<double>::max();
@@ -615,7 +604,7 @@ private:
     return result;
   }
 
-  double cosine(Index a, Index b) const { return vector(this->shape(a).normal).dot(vector(this->shape(b).normal)); }
+  double cosine(Index a, Index b) const { return vec3(this->shape(a).normal).dot(vec3(this->shape(b).normal)); }
 
   /// The smooth parts of the surface that near quadrilaterals form, and whether each is seen to be one of a wall.
   struct Walls
@@ -680,8 +669,8 @@ private:
       {
         const QuadShape& from = this->shape(this->Near[n]);
         const QuadShape& to = this->shape(this->Near[m]);
-        return vector(from.normal).dot(vector(to.normal)) < FacingCosine &&
-          vector(from.normal).dot(vector(to.center) - vector(from.center)) > 0.0;
+        return vec3(from.normal).dot(vec3(to.normal)) < FacingCosine &&
+          vec3(from.normal).dot(vec3(to.center) - vec3(from.center)) > 0.0;
       }
     }
     return false;
@@ -830,7 +819,7 @@ private:
       const Index a = this->slot(pair.a), b = this->slot(pair.b);
       const OuterQuad quadA = this->Surface.quadAt(pair.a), quadB = this->Surface.quadAt(pair.b);
       MeshFinding& finding = findings[groups.find(a)];
-      const Vec3 place = vector(pair.place);
+      const Vec3 place = vec3(pair.place);
       if (finding.kind == MeshFindingKind::None || pair.fraction > finding.fraction ||
         (pair.fraction == finding.fraction && before(place, finding.place)))
       {
@@ -904,7 +893,7 @@ private:
   Ray rayFrom(const OuterQuad& at, int attempt) const
   {
     const OuterCell cell = this->Surface.cell(at);
-    return { plain(cell.center()), plain(rayDirection(cell.area().stableNormalized(), attempt)),
+    return { triple(cell.center()), triple(rayDirection(cell.area().stableNormalized(), attempt)),
       this->Surface.quad(at) };
   }
 
@@ -916,7 +905,7 @@ private:
     this->Run.parallelFor(count, 16, [&](Index begin, Index end) {
       for (Index n = begin; n < end; ++n)
       {
-        const Vec3 from = vector(rays[n].from), along = vector(rays[n].along);
+        const Vec3 from = vec3(rays[n].from), along = vec3(rays[n].along);
         const Vec3 inverse = along.cwiseInverse();
         this->OwnTree->searchIf([&](const Box& box) { return meetsRay(box, from, inverse); },
           [&](Index tile) {
@@ -1080,7 +1069,7 @@ private:
       finding.faces = { use.face, -1 };
       for (const Ray* ray : found)
       {
-        const Vec3 place = vector(ray->from);
+        const Vec3 place = vec3(ray->from);
         finding.place = finding.quads == 0 || before(place, finding.place) ? place : finding.place;
         ++finding.quads;
         concerned[key].push_back(ray->quad);
@@ -1114,7 +1103,7 @@ private:
   /// The first input block, other than that of `own` if possible, in which a ray starts; -1 if none. Collective.
   int blockAround(const Ray& ray, int own) const
   {
-    const Vec3 from = vector(ray.from), along = vector(ray.along);
+    const Vec3 from = vec3(ray.from), along = vec3(ray.along);
     int found = -1;
     for (int b = 0; b < static_cast<int>(this->Complex.blocks.size()) && found < 0; ++b)
     {
@@ -1194,10 +1183,10 @@ private:
       for (Index tile = this->FirstTile[n]; tile < this->FirstTile[n + 1]; ++tile)
       {
         const TileShape& shape = this->Shapes[tile];
-        part.volume += shape.flux - all.center().dot(vector(shape.area));
+        part.volume += shape.flux - all.center().dot(vec3(shape.area));
         if (this->Surface.unnamed(faces[n]))
         {
-          const Vec3 place = vector(shape.first);
+          const Vec3 place = vec3(shape.first);
           MeshFinding& finding = part.finding;
           if (finding.quads == 0 || before(place, finding.place))
           {

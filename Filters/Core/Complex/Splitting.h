@@ -4,44 +4,14 @@
 #pragma once
 
 #include "Complex/BlockComplex.h"
+#include "Complex/CreaseEdges.h"
 #include "Mesh/BlockSurface.h"
 
-#include <cstdint>
+#include <array>
+#include <vector>
 
 namespace bsv
 {
-
-/// The mesh edges on the outer boundary that are creases. Collective: every rank looks at its own blocks.
-class CreaseEdges
-{
-public:
-  CreaseEdges(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-    const std::vector<bool>& leftHanded, double creaseAngle, const Ranks& ranks);
-
-  /// The same for all quadrilaterals, of all blocks, at one mesh edge.
-  bool operator()(const QuadAt& quad, int axis, int side) const
-  {
-    return this->any(quad.block, quad.face) &&
-      (this->Bits[6 * std::size_t(quad.block) + quad.face][this->place(quad)] >> (2 * axis + side) & 1) != 0;
-  }
-  /// Whether any edge of a quadrilateral of the face is one.
-  bool any(int block, int face) const
-  {
-    return !this->Bits.empty() && !this->Bits[6 * std::size_t(block) + face].empty();
-  }
-
-private:
-  class Search;
-
-  Index place(const QuadAt& quad) const
-  {
-    return quad.s + Index(this->Surface.faceCells(quad.block, quad.face, 0)) * quad.t;
-  }
-
-  const SurfaceNumbering& Surface;
-  /// Per face and quadrilateral one bit per edge; empty while there are no creases.
-  std::vector<std::vector<std::uint8_t>> Bits;
-};
 
 /// Mesh positions per direction of a block at which it is cut, ascending, with both ends.
 using CutPositions = std::array<std::vector<int>, 3>;

@@ -2,6 +2,7 @@
 #include "Conversion/LayerRules.h"
 
 #include "Base/OrderFreeSum.h"
+#include "Complex/Limits.h"
 #include "Conversion/LimitMasks.h"
 
 #include <Eigen/Geometry>
@@ -10,9 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <mutex>
-#include <tuple>
+#include <string>
 
 namespace bsv
 {
@@ -303,31 +303,40 @@ FanStencils extraordinaryStencils(bool closed, int sectors, Twist twist)
   return stencils;
 }
 
+/// Blocks that meet at an edge are no more (MostBlocksAtEdge), nor quadrilaterals at a vertex of the boundary.
+constexpr int MostSectors = MostBlocksAtEdge;
+constexpr int TwistCount = static_cast<int>(Twist::Literal) + 1;
+
+FanStencils stencilsFor(bool closed, int sectors, Twist twist)
+{
+  if (closed && sectors == 4)
+  {
+    return regularClosedStencils();
+  }
+  if (!closed && sectors == 2)
+  {
+    return regularOpenStencils();
+  }
+  return extraordinaryStencils(closed, sectors, twist);
+}
+
+/// Those of each kind of fan are computed once, by the first that asks; the others wait for that kind alone.
 const FanStencils& stencilsOf(bool closed, int sectors, Twist twist)
 {
-  static std::mutex mutex;
-  static std::map<std::tuple<bool, int, Twist>, FanStencils> cache;
-  const std::lock_guard<std::mutex> lock(mutex);
-  const auto key = std::make_tuple(closed, sectors, twist);
-  auto found = cache.find(key);
-  if (found == cache.end())
+  struct Kind
   {
+    std::once_flag once;
     FanStencils stencils;
-    if (closed && sectors == 4)
-    {
-      stencils = regularClosedStencils();
-    }
-    else if (!closed && sectors == 2)
-    {
-      stencils = regularOpenStencils();
-    }
-    else
-    {
-      stencils = extraordinaryStencils(closed, sectors, twist);
-    }
-    found = cache.emplace(key, std::move(stencils)).first;
+  };
+  static std::array<Kind, 2 * TwistCount*(MostSectors + 1)> kinds;
+  if (sectors < 1 || sectors > MostSectors)
+  {
+    throw Error(
+      "a fan of " + std::to_string(sectors) + " sectors; there are rules for 1 to " + std::to_string(MostSectors));
   }
-  return found->second;
+  Kind& kind = kinds[(TwistCount * (closed ? 1 : 0) + static_cast<int>(twist)) * (MostSectors + 1) + sectors];
+  std::call_once(kind.once, [&] { kind.stencils = stencilsFor(closed, sectors, twist); });
+  return kind.stencils;
 }
 
 /// Applies a stencil, turned by `rotation` spokes.

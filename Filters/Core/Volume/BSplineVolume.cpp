@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace bsv
@@ -118,6 +119,14 @@ std::vector<int> nonEmptySpans(int degree, const std::vector<double>& knots)
   return spans;
 }
 
+namespace
+{
+
+/// Coordinates that are checked together.
+constexpr Index Row = 4096;
+
+} // namespace
+
 void checkBSplineVolume(const BSplineVolume& volume, const std::string& name)
 {
   for (int d = 0; d < 3; ++d)
@@ -157,9 +166,29 @@ void checkBSplineVolume(const BSplineVolume& volume, const std::string& name)
       }
     }
   }
+  const Index points = Index(volume.count(0)) * volume.count(1) * volume.count(2);
+  if (volume.points)
+  {
+    for (Index first = 0; first < 3 * points; first += Row)
+    {
+      // Whole rows at once, in vector registers; the place is looked for only if there is one.
+      const Index last = std::min(first + Row, 3 * points);
+      int bad = 0;
+      for (Index i = first; i < last; ++i)
+      {
+        bad |= std::abs(volume.points[i]) <= std::numeric_limits<double>::max() ? 0 : 1;
+      }
+      for (Index i = first; bad && i < last; ++i)
+      {
+        if (!std::isfinite(volume.points[i]))
+        {
+          throw Error(name + ": control point " + std::to_string(i / 3) + " is not finite");
+        }
+      }
+    }
+  }
   if (volume.weights)
   {
-    const Index points = Index(volume.count(0)) * volume.count(1) * volume.count(2);
     for (Index i = 0; i < points; ++i)
     {
       if (!(volume.weights[i] > 0.0 && std::isfinite(volume.weights[i])))

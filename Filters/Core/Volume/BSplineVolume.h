@@ -54,7 +54,7 @@ std::vector<int> nonEmptySpans(int degree, const std::vector<double>& knots);
 
 /// @throws Error, beginning with `name`, unless degrees are 1..MaxDegree and every knot vector is finite and
 /// non-decreasing, has at least 2 (degree + 1) knots and a non-empty domain, and repeats no knot inside the domain more
-/// than degree times (the volume would be torn there), and all weights are finite and positive.
+/// than degree times (the volume would be torn there), weights are finite and positive, and points here are finite.
 void checkBSplineVolume(const BSplineVolume& volume, const std::string& name);
 
 /// w x, w y, w z and w of every control point, with w = 1 in a polynomial volume.

@@ -2,7 +2,9 @@
 /// The block complex: topology known from the geometry, independence of numbering, orientation and distribution over
 /// ranks, cuts, welding and refusals.
 #include "Complex/BlockComplex.h"
+#include "Complex/CreaseEdges.h"
 #include "Complex/EntityClass.h"
+#include "Complex/Limits.h"
 #include "Support/DistributedComplex.h"
 #include "Support/MeshCases.h"
 
@@ -641,7 +643,7 @@ TEST(BlockComplex, FindsSharpEdges)
 
   // A kink inside a face cuts the block.
   MeshCase kinked =
-    cutBox({ 4, 4, 2 }, {}, [](const Vec3& x) { return Vec3(x[0], x[1], x[2] + std::abs(x[0] - 1.0)); });
+    cutBox({ 5, 4, 2 }, {}, [](const Vec3& x) { return Vec3(x[0], x[1], x[2] + std::abs(x[0] - 2.0)); });
   for (unsigned seed = 0; seed < 4; ++seed)
   {
     MeshCase turned = kinked;
@@ -649,6 +651,175 @@ TEST(BlockComplex, FindsSharpEdges)
     const BlockComplex k = build(turned, options);
     EXPECT_EQ(k.blocks.size(), 2u);
     expectConsistent(k);
+  }
+}
+
+namespace
+{
+
+/// A cylinder of `cells` cells around, and 3 x 2 along it and across it; the wall is k = 0, or k = K if `outside`. Its
+/// points are computed one by one, each with its own rounding, starting anywhere.
+MeshCase cylinder(int cells, double start, bool outside)
+{
+  MeshCase mesh;
+  mesh.add({ cells, 3, 2 }, [=](const Ijk& p) {
+    const double angle = start + 2.0 * std::acos(-1.0) * (p[0] % cells) / cells;
+    const double radius = outside ? 2.0 - 0.5 * p[2] : 1.0 + 0.5 * p[2];
+    return Vec3(radius * std::cos(angle), radius * std::sin(angle), p[1]);
+  });
+  return mesh;
+}
+
+struct Creased
+{
+  BlockComplex complex;
+  std::vector<TurningEdge> turning;
+};
+
+Creased creased(const BlockMesh& mesh, double angle, const CreaseRules& rules = {})
+{
+  Creased result;
+  BlockComplexOptions options;
+  options.creaseAngle = angle;
+  result.complex = buildBlockComplex(mesh, options, rules, &result.turning);
+  return result;
+}
+
+/// Creases of the complex among the edges that run along z.
+int creasesAlong(const Creased& found)
+{
+  int count = 0;
+  for (const TurningEdge& edge : found.turning)
+  {
+    count += edge.crease && std::abs(edge.ends[0][2] - edge.ends[1][2]) > 0.5;
+  }
+  return count;
+}
+
+bool notesContain(const Creased& found, const std::string& text)
+{
+  return std::any_of(found.complex.notes.begin(), found.complex.notes.end(),
+    [&](const std::string& note) { return note.find(text) != std::string::npos; });
+}
+
+} // namespace
+
+/// A circle that turns by exactly the limit at every point gets no creases, or the same everywhere.
+TEST(BlockComplex, CreasesOfACircleAreSymmetric)
+{
+  for (const int cells : { 12, 24 })
+  {
+    for (int n = 0; n < 40; ++n)
+    {
+      MeshCase mesh = cylinder(cells, 0.17 * n, n % 2 == 1);
+      CreaseRules all;
+      all.contrast = 0.0;
+      const double limit = 360.0 / cells;
+      const Creased found = creased(mesh.mesh(), limit, all);
+      EXPECT_EQ(creasesAlong(found), 0);
+      // Both walls, three edges along z each.
+      EXPECT_TRUE(notesContain(found, std::to_string(6 * cells) + " mesh edges turn by "));
+      EXPECT_TRUE(notesContain(found, "the limit"));
+      EXPECT_EQ(creasesAlong(creased(mesh.mesh(), limit - 0.1, all)), 6 * cells);
+      const Creased above = creased(mesh.mesh(), limit + 0.1, all);
+      EXPECT_EQ(creasesAlong(above), 0);
+      EXPECT_FALSE(notesContain(above, "the limit"));
+    }
+  }
+}
+
+/// Sharp edges are told from round noses by how much the surface turns nearby.
+TEST(BlockComplex, CreasesStandOut)
+{
+  // An O-grid around a profile with a sharp end at x = 1 and a round one at x = 0, coarse to fine, or blunt at x = 1.
+  for (const int half : { 4, 8, 16 })
+  {
+    for (const double base : { 0.0, 0.01 })
+    {
+      MeshCase mesh;
+      const int around = 2 * half + (base > 0.0 ? 1 : 0);
+      mesh.add({ around, 4, 3 }, [=](const Ijk& p) {
+        // From the end along the lower side to the nose and back; a base closes it.
+        const int i = p[0] % around;
+        const double t = i <= half ? 1.0 - double(i) / half : double(i - half) / half;
+        const double side = i <= half ? -1.0 : 1.0;
+        const double x = t * t, y = side * (0.15 * (t - x) + base * x * (i <= half || base > 0.0 ? 1.0 : 0.0));
+        const double angle = -std::acos(-1.0) * 2.0 * i / around;
+        const double w = p[1] / 4.0;
+        return Vec3((1.0 - w) * x + w * (0.5 + 3.0 * std::cos(angle)), (1.0 - w) * y + w * 3.0 * std::sin(angle), p[2]);
+      });
+      for (unsigned seed = 0; seed < 3; ++seed)
+      {
+        shuffle(mesh, seed, true);
+        const Creased found = creased(mesh.mesh(), 30.0);
+        int sharp = 0, nose = 0;
+        for (const TurningEdge& edge : found.turning)
+        {
+          const Vec3 middle = 0.5 * (edge.ends[0] + edge.ends[1]);
+          const bool along = std::abs(edge.ends[0][2] - edge.ends[1][2]) > 0.5;
+          sharp += along && edge.crease && middle[0] > 0.99 && middle[0] < 1.01;
+          nose += along && edge.crease && middle[0] < 0.9 && middle[0] > -0.1;
+        }
+        EXPECT_EQ(sharp, base > 0.0 ? 6 : 3) << half << ' ' << base;
+        EXPECT_EQ(nose, 0) << half << ' ' << base;
+      }
+    }
+  }
+}
+
+/// Where a body is given, it decides alone.
+TEST(BlockComplex, TheBodySaysWhatIsSharp)
+{
+  MeshCase box = cutBox({ 4, 4, 4 });
+  box.boundaryNames = { "wall" };
+  for (int face = 0; face < 6; ++face)
+  {
+    box.boundaries.push_back({ 0, face, { { 0, 0 }, { 4, 4 } }, 0 });
+  }
+  CreaseRules rules;
+  rules.bodyTags = { true };
+  rules.bodyTurn = [](const Vec3& x, double) { return x[0] < 2.0 ? 90.0 : 0.0; };
+  for (const TurningEdge& edge : creased(box.mesh(), 30.0, rules).turning)
+  {
+    EXPECT_EQ(edge.crease, edge.ends[0][0] < 2.0 && edge.ends[1][0] < 2.0);
+  }
+  rules.bodyTags = { false };
+  for (const TurningEdge& edge : creased(box.mesh(), 30.0, rules).turning)
+  {
+    EXPECT_TRUE(edge.crease);
+    EXPECT_EQ(edge.bodyAngle, -1.0);
+  }
+}
+
+/// More blocks around an edge than there are rules for are refused with block and point.
+TEST(BlockComplex, RefusesCrowdedEdges)
+{
+  // Sectors whose outer corner lies hardly further out than the others.
+  const auto fan = [](int blocks) {
+    MeshCase mesh;
+    for (int b = 0; b < blocks; ++b)
+    {
+      mesh.add({ 1, 1, 1 }, [=](const Ijk& p) {
+        const double angle =
+          Vec3(2 * (b % blocks), 2 * b + 1, 2 * ((b + 1) % blocks))[p[1] - p[0] + 1] * std::acos(-1.0) / blocks;
+        const double radius = p[0] + p[1] == 0 ? 0.0 : p[0] + p[1] == 1 ? 1.0 : 1.01;
+        return Vec3(radius * std::cos(angle), radius * std::sin(angle), p[2]);
+      });
+    }
+    return mesh;
+  };
+  MeshCase most = fan(MostBlocksAtEdge);
+  EXPECT_EQ(buildBlockComplex(most.mesh()).blocks.size(), std::size_t(MostBlocksAtEdge));
+  MeshCase more = fan(MostBlocksAtEdge + 1);
+  try
+  {
+    buildBlockComplex(more.mesh());
+    FAIL() << "not refused";
+  }
+  catch (const Error& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("more than 100 blocks meet at the edge of Block 0"), std::string::npos)
+      << error.what();
   }
 }
 

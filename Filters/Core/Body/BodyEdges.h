@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file BodyEdges.h
+/// Where a body has sharp edges.
+#pragma once
+
+#include "Body/ClosestPoint.h"
+
+namespace bsv
+{
+
+/// The largest angle between the normals of the parts of a body that meet near a point: patches, both sides of a kink
+/// or seam, that are at most 1/50 of `length` further away than the nearest.
+/// @param length of the mesh edges at the point.
+/// @return degrees, 0 to 180.
+double bodyTurn(const BodySurface& body, const Vec3& point, double length);
+
+} // namespace bsv
