@@ -48,7 +48,7 @@ ReadMesh readMesh(Reading& reading)
 {
   EXPECT_TRUE(reading.errors.empty()) << reading.errors[0];
   ReadMesh result;
-  result.mesh = bsv::blockMesh(reading.output, result.grids);
+  result.mesh = bsv::structuredBlocks(reading.output, result.grids);
   return result;
 }
 

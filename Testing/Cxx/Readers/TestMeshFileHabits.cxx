@@ -51,7 +51,7 @@ Result readMesh(const std::string& fileName)
   read(reading, fileName);
   EXPECT_TRUE(reading.errors.empty()) << reading.errors[0];
   Result result;
-  result.mesh = bsv::blockMesh(reading.output, result.grids);
+  result.mesh = bsv::structuredBlocks(reading.output, result.grids);
   result.warnings = reading.warnings;
   return result;
 }
