@@ -69,4 +69,18 @@ if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)
     LIBRARY_DESTINATION "${CMAKE_INSTALL_LIBDIR}")
   # Which the readers look for beside their library.
   add_dependencies(BSplineVolume BSplineVolumeReadFile)
+  # The part that needs Qt lies in the folder of the plugin that loads it.
+  option(BSPLINEVOLUME_BUILD_QT "Build the part of the plugin for ParaView's window" "${PARAVIEW_USE_QT}")
+  if (BSPLINEVOLUME_BUILD_QT)
+    paraview_plugin_scan(
+      PLUGIN_FILES "${PROJECT_SOURCE_DIR}/Plugin/Qt/paraview.plugin"
+      PROVIDES_PLUGINS bsv_qt_plugins
+      ENABLE_BY_DEFAULT ON
+      HIDE_PLUGINS_FROM_CACHE ON)
+    paraview_plugin_build(
+      PLUGINS ${bsv_qt_plugins}
+      INSTALL_HEADERS OFF
+      LIBRARY_SUBDIRECTORY BSplineVolume
+      LIBRARY_DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  endif ()
 endif ()

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shows which spans of a B-spline volume are proven valid, and finds one that was inverted on purpose.
+"""Shows which spans of a B-spline volume are proven valid, and which are not.
 
 Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
     pvpython Examples/validity.py                             a generated demonstration mesh
     pvpython Examples/validity.py --mesh wing.xyz
 
-  1. converts the mesh and drags one control point of the largest block through its neighbours;
-  2. left one layer of spans around it: valid ones between straight lines, invalid ones exactly, that is those on which
-     the Jacobian determinant is not positive somewhere; such a point, the witness, is drawn as a ball;
+  1. converts the mesh; of the demonstration mesh, of which all spans are valid, it then drags one control point of the
+     largest block through its neighbours;
+  2. left the layer of spans with the first one that is not valid, or a middle one: valid ones between straight lines,
+     invalid ones exactly, that is those on which the Jacobian determinant is not positive somewhere; such a point, the
+     witness, is drawn as a ball;
   3. right all blocks cut open, coloured by the scaled Jacobian (1 is best).
 """
 import numpy as np
@@ -36,7 +38,11 @@ def with_inverted_span(volume):
 
 def main():
     arguments = parser(__doc__.split("\n")[0], "validity.png").parse_args()
-    volume, number = with_inverted_span(data(convert(read_mesh(arguments), arguments)))
+    volume = data(convert(read_mesh(arguments), arguments))
+    number = max(range(volume.GetNumberOfPartitionedDataSets()),
+                 key=lambda b: volume.GetPartition(b, 0).GetNumberOfPoints())
+    if not arguments.mesh:
+        volume, number = with_inverted_span(volume)
     quality = pv.BSplineVolumeQuality(Input=producer(volume))
     quality.UpdatePipeline()
     quality.UpdatePropertyInformation()
@@ -46,9 +52,13 @@ def main():
 
     layout, (left, right) = views(("a layer of spans; balls: witnesses", "all blocks, cut open"), HEIGHT)
     witnesses = data(quality, 1)
-    indices = vtk_to_numpy(witnesses.GetPointData().GetArray("Span"))
-    k = int(indices[0, 2])
-    cells = data(pv.BSplineVolumeToBezierCells(Input=producer(volume)))
+    indices = vtk_to_numpy(witnesses.GetPointData().GetArray("Span")).reshape(-1, 3)
+    grid = [grid for _, grid in grids(data(quality))][number]
+    k = (size(grid)[2] - 1) // 2
+    if len(indices):
+        number = int(witnesses.GetPointData().GetArray("BlockId").GetValue(0))
+        k = int(indices[0, 2])
+    cells = data(pv.BSplineVolumeToBezierCells(Input=producer(volume), Cells="Volume"))
     spans = vtk_to_numpy(cells.GetCellData().GetArray("SpanId"))
     layer = np.flatnonzero((vtk_to_numpy(cells.GetCellData().GetArray("BlockId")) == number) & (spans[:, 2] == k))
     grid = [grid for _, grid in grids(data(quality))][number]
@@ -63,15 +73,20 @@ def main():
         if verdict in verdicts:
             show(extract_cells(cells, layer[verdicts == verdict]), left, color, NonlinearSubdivisionLevel=4,
                  Opacity=0.7)
-    here = (vtk_to_numpy(witnesses.GetPointData().GetArray("BlockId")) == number) & (indices[:, 2] == k)
-    positions = vtk_to_numpy(witnesses.GetPoints().GetData())[here]
+    positions = np.zeros((0, 3))
+    if len(indices):
+        here = (vtk_to_numpy(witnesses.GetPointData().GetArray("BlockId")) == number) & (indices[:, 2] == k)
+        positions = vtk_to_numpy(witnesses.GetPoints().GetData())[here]
     edge = np.linalg.norm(np.ptp(np.reshape(grid.GetBounds(), (3, 2)), axis=1))
     for position in positions:
         ball = pv.Sphere(Center=list(position), Radius=0.006 * edge, ThetaResolution=24, PhiResolution=24)
         show(ball, left, "#000000")
     corners = points(grid)
     normal = np.cross(corners[0, 0, -1] - corners[0, 0, 0], corners[0, -1, 0] - corners[0, 0, 0])
-    look(left, grid.GetBounds(), normal, zoom=2.0, center=positions.mean(axis=0))
+    if len(positions):
+        look(left, grid.GetBounds(), normal, zoom=2.0, center=positions.mean(axis=0))
+    else:
+        look(left, grid.GetBounds(), normal)
 
     box = np.reshape(bounds(quality), (3, 2))
     cut = pv.Clip(Input=quality, ClipType="Plane")

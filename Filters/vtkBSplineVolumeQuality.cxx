@@ -2,7 +2,9 @@
 #include "vtkBSplineVolumeQuality.h"
 
 #include "Data/BSplineVolumeData.h"
+#include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
+#include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
 #include "Quality/JacobianBounds.h"
 #include "Quality/SpanShape.h"
@@ -26,6 +28,7 @@
 #include "vtkPolyData.h"
 #include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
+#include "vtkTable.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -283,12 +286,81 @@ void addWitnesses(
   }
 }
 
+/// The six sides of every span that is not proven valid, between straight edges.
+void addFindings(const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, vtkPolyData* data)
+{
+  // Corners of a cell in the order of vtkStructuredGrid, side by side.
+  static constexpr int Sides[6][4] = { { 0, 3, 7, 4 }, { 1, 2, 6, 5 }, { 0, 1, 5, 4 }, { 3, 2, 6, 7 }, { 0, 1, 2, 3 },
+    { 4, 5, 6, 7 } };
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> quads;
+  const auto validity = namedArray<vtkUnsignedCharArray>("Validity", 0);
+  const auto block = namedArray<vtkIntArray>("BlockId", 0);
+  const auto span = namedArray<vtkIntArray>("Span", 0, 3);
+  for (std::size_t b = 0; b < grids.size(); ++b)
+  {
+    if (!grids[b])
+    {
+      continue;
+    }
+    auto* values = vtkUnsignedCharArray::SafeDownCast(grids[b]->GetCellData()->GetArray("Validity"));
+    int size[3];
+    grids[b]->GetDimensions(size);
+    const vtkIdType row = size[0], layer = vtkIdType(size[0]) * size[1];
+    for (vtkIdType cell = 0; cell < values->GetNumberOfValues(); ++cell)
+    {
+      if (values->GetValue(cell) == 0)
+      {
+        continue;
+      }
+      const int ijk[3] = { static_cast<int>(cell % (size[0] - 1)),
+        static_cast<int>(cell / (size[0] - 1) % (size[1] - 1)),
+        static_cast<int>(cell / (size[0] - 1) / (size[1] - 1)) };
+      const vtkIdType corner = ijk[0] + row * ijk[1] + layer * ijk[2];
+      const vtkIdType corners[8] = { corner, corner + 1, corner + 1 + row, corner + row, corner + layer,
+        corner + 1 + layer, corner + 1 + row + layer, corner + row + layer };
+      vtkIdType ids[8];
+      for (int n = 0; n < 8; ++n)
+      {
+        double x[3];
+        grids[b]->GetPoint(corners[n], x);
+        ids[n] = points->InsertNextPoint(x);
+      }
+      for (const auto& side : Sides)
+      {
+        quads->InsertNextCell({ ids[side[0]], ids[side[1]], ids[side[2]], ids[side[3]] });
+        validity->InsertNextValue(values->GetValue(cell));
+        block->InsertNextValue(static_cast<int>(b));
+        span->InsertNextTypedTuple(ijk);
+      }
+    }
+  }
+  data->SetPoints(points);
+  data->SetPolys(quads);
+  for (vtkDataArray* array : std::initializer_list<vtkDataArray*>{ validity, block, span })
+  {
+    data->GetCellData()->AddArray(array);
+  }
+  data->GetCellData()->SetActiveScalars("Validity");
+}
+
+std::string verdictText(vtkIdType spans, vtkIdType invalid, vtkIdType undecided)
+{
+  if (invalid + undecided == 0)
+  {
+    return "All " + std::to_string(spans) + " spans are valid";
+  }
+  std::string text = std::to_string(invalid) + " of " + std::to_string(spans) + " spans are invalid";
+  return undecided > 0 ? text + ", " + std::to_string(undecided) + " undecided" : text;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
 vtkBSplineVolumeQuality::vtkBSplineVolumeQuality()
 {
-  this->SetNumberOfOutputPorts(2);
+  this->SetNumberOfOutputPorts(4);
 }
 
 //------------------------------------------------------------------------------
@@ -326,7 +398,9 @@ int vtkBSplineVolumeQuality::FillInputPortInformation(int, vtkInformation* info)
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeQuality::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPartitionedDataSetCollection" : "vtkPolyData");
+  static constexpr const char* Types[4] = { "vtkPartitionedDataSetCollection", "vtkPolyData", "vtkPolyData",
+    "vtkTable" };
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), Types[port]);
   return 1;
 }
 
@@ -336,7 +410,9 @@ int vtkBSplineVolumeQuality::RequestData(
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
   auto* witnesses = vtkPolyData::GetData(outputVector, 1);
-  if (!output || !witnesses)
+  auto* findings = vtkPolyData::GetData(outputVector, 2);
+  auto* verdict = vtkTable::GetData(outputVector, 3);
+  if (!output || !witnesses || !findings || !verdict)
   {
     vtkErrorMacro("An output is missing.");
     return 0;
@@ -345,6 +421,8 @@ int vtkBSplineVolumeQuality::RequestData(
   this->MinimumJacobian = this->MinimumScaledJacobian = 0.0;
   this->WorstBlock = -1;
   this->NumberOfLeftHandedBlocks = 0;
+  this->Report.clear();
+  bsv::setText(verdict, "");
   return bsv::execute(this, output, [&] {
     const bsv::Execution shared = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *shared.ranks;
@@ -367,9 +445,11 @@ int vtkBSplineVolumeQuality::RequestData(
     }
 
     std::vector<std::vector<int>> walls(count);
+    const std::vector<bool> isWall = bsv::wallBoundaries(
+      vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames, input.boundaryTypes, this->BodyBoundaries, ranks);
     for (const bsv::BoundaryPatch& patch : input.boundaries)
     {
-      if (bsv::isBodyBoundary(this->BodyBoundaries, input.boundaryNames, input.boundaryTypes, patch.tag))
+      if (isWall[patch.tag])
       {
         walls[patch.block].push_back(patch.face);
       }
@@ -522,6 +602,15 @@ int vtkBSplineVolumeQuality::RequestData(
     }
     run.report(1.0);
     addWitnesses(input, reports, witnesses);
+    addFindings(grids, findings);
+    const std::string text = verdictText(this->NumberOfSpans, this->NumberOfInvalidSpans, this->NumberOfUndecidedSpans);
+    bsv::setText(verdict, text);
+    this->Report = text + '\n' + std::to_string(this->NumberOfSpans) +
+      " spans: " + std::to_string(this->NumberOfValidSpans) + " proven valid, " +
+      std::to_string(this->NumberOfInvalidSpans) + " proven invalid, " + std::to_string(this->NumberOfUndecidedSpans) +
+      " undecided\n" + "smallest scaled Jacobian " + bsv::shortNumber(this->MinimumScaledJacobian) +
+      "\nsmallest bound of det J " + bsv::shortNumber(this->MinimumJacobian) + " (cubed length unit), in " +
+      input.label(static_cast<std::size_t>(this->WorstBlock)) + '\n';
   });
 }
 
@@ -539,4 +628,5 @@ void vtkBSplineVolumeQuality::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MinimumJacobian: " << this->MinimumJacobian << '\n';
   os << indent << "MinimumScaledJacobian: " << this->MinimumScaledJacobian << '\n';
   os << indent << "WorstBlock: " << this->WorstBlock << '\n';
+  os << indent << "Report: " << this->Report << '\n';
 }

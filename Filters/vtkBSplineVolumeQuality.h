@@ -32,7 +32,12 @@
  * arrays: `BlockId` (int), `Span` (int, 3: the cell of output 0), `UVW` (double, 3: parameters of the knots) and
  * `Jacobian` (double), a certified upper bound of det J there.
  *
- * Several ranks each have the spans and witnesses of their blocks; all have the field data and the totals of all.
+ * Output 2 (`Findings`): a vtkPolyData, the six sides of every span that is not proven valid, between straight edges.
+ * Cell arrays: `Validity`, `BlockId`, `Span`.
+ * Output 3 (`Verdict`): a vtkTable with one row and the column `Text`, as ParaView shows it in the view.
+ *
+ * Several ranks each have the spans, findings and witnesses of their blocks; all have the field data and the totals of
+ * all.
  *
  * A block with det J < 0 in more than half of its spans is left-handed. It is judged by its own sign: det J and the
  * scaled Jacobian are multiplied by -1. One warning counts and names such blocks. An empty input gives empty outputs.
@@ -43,6 +48,8 @@
 #include "BSplineVolumeFiltersModule.h" // For export macro
 #include "Data/BoundaryPatterns.h"      // For the names of the walls
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
+
+#include <string> // For the report
 
 class BSPLINEVOLUMEFILTERS_EXPORT vtkBSplineVolumeQuality : public vtkPartitionedDataSetCollectionAlgorithm
 {
@@ -83,6 +90,7 @@ public:
   vtkGetMacro(MinimumJacobian, double);
   vtkGetMacro(MinimumScaledJacobian, double);
   vtkGetMacro(WorstBlock, int);
+  const char* GetReport() const { return this->Report.c_str(); }
   ///@}
 
 protected:
@@ -108,6 +116,7 @@ private:
   double MinimumJacobian = 0.0;
   double MinimumScaledJacobian = 0.0;
   int WorstBlock = -1;
+  std::string Report;
 };
 
 #endif

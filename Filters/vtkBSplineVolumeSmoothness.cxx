@@ -2,8 +2,11 @@
 #include "vtkBSplineVolumeSmoothness.h"
 
 #include "Data/BSplineVolumeData.h"
+#include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
+#include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
+#include "Quality/JoinClass.h"
 #include "Quality/JoinEvaluation.h"
 #include "Quality/Smoothness.h"
 #include "Volume/VolumeInterfaces.h"
@@ -40,13 +43,15 @@ namespace
 using bsv::JumpKind;
 using bsv::Vec3;
 
-/// The four ports.
+/// The ports.
 struct Outputs
 {
   vtkPartitionedDataSetCollection* interfaces;
   vtkPartitionedDataSetCollection* blocks;
   vtkTable* joins;
   vtkPolyData* curves;
+  vtkPolyData* list;
+  vtkTable* verdict;
 
   void Initialize()
   {
@@ -54,6 +59,7 @@ struct Outputs
     this->blocks->Initialize();
     this->joins->Initialize();
     this->curves->Initialize();
+    this->list->Initialize();
   }
 };
 
@@ -73,6 +79,7 @@ const std::vector<Measure>& measures()
 
 /// The jump that is shown first: the only one that is small wherever it can be.
 constexpr const char* ShownMeasure = "LayerJump";
+constexpr const char* ShownTitle = "Layer jump (degrees)";
 
 /// Name of a jump as a maximum.
 const char* measureName(JumpKind kind)
@@ -195,7 +202,12 @@ vtkSmartPointer<vtkPolyData> interfaceSurface(const bsv::Join& join, int id, int
     const double maximum = largest(measure, [&](int kind) { return join.worst[kind].value; });
     surface->GetFieldData()->AddArray(filled<vtkDoubleArray>(std::string("Maximum") + measure.name, 1, maximum));
   }
-  surface->GetPointData()->SetActiveScalars(ShownMeasure);
+  // The same memory under a name that is a title.
+  auto titled = vtkSmartPointer<vtkDataArray>::Take(surface->GetPointData()->GetArray(ShownMeasure)->NewInstance());
+  titled->ShallowCopy(surface->GetPointData()->GetArray(ShownMeasure));
+  titled->SetName(ShownTitle);
+  surface->GetPointData()->AddArray(titled);
+  surface->GetPointData()->SetActiveScalars(ShownTitle);
   const int continuity = static_cast<int>(join.continuity);
   surface->GetCellData()->AddArray(filled<vtkIntArray>("Continuity", cells, continuity));
   const auto& sides = join.sides;
@@ -227,6 +239,40 @@ vtkSmartPointer<vtkPolyData> skin(const bsv::BSplineVolume& volume, int parts)
   surface->SetPoints(pointsOf(points));
   surface->SetPolys(quads);
   return surface;
+}
+
+/// The twelve edges of a block.
+vtkSmartPointer<vtkPolyData> wires(const bsv::BSplineVolume& volume, int parts)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> lines;
+  for (int edge = 0; edge < 12; ++edge)
+  {
+    const int along = bsv::edgeDirection(edge);
+    Vec3 uvw;
+    for (int d = 0; d < 3; ++d)
+    {
+      const std::vector<double>& knots = volume.knots[d];
+      const int side = bsv::cornerSide(bsv::edgeCorner(edge, 0), d);
+      uvw[d] = side == 0 ? knots[volume.degree[d]] : knots[knots.size() - 1 - volume.degree[d]];
+    }
+    const std::vector<double>& knots = volume.knots[along];
+    const std::vector<int> spans = bsv::nonEmptySpans(volume.degree[along], knots);
+    lines->InsertNextCell(static_cast<int>(spans.size()) * parts + 1);
+    for (const int span : spans)
+    {
+      for (int j = span == spans.front() ? 0 : 1; j <= parts; ++j)
+      {
+        uvw[along] = knots[span] + (knots[span + 1] - knots[span]) * j / parts;
+        lines->InsertCellPoint(points->InsertNextPoint(bsv::evaluate(volume, uvw).data()));
+      }
+    }
+  }
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->SetLines(lines);
+  return data;
 }
 
 /// @param row row of the table, or -1
@@ -273,6 +319,140 @@ const char* kindOf(const bsv::Join& join)
   return !join.border() ? "interface" : join.crease ? "crease" : "wall border";
 }
 
+/// What a row of a list says of a join.
+struct Row
+{
+  std::string of, what, blocks, jump, measure;
+};
+
+Row rowOf(const bsv::Join& join, const std::vector<std::string>& names)
+{
+  const bsv::ClassifiedJoin classified = bsv::classifyJoin(join);
+  const JumpKind kind = join.crease ? JumpKind::NormalS : join.rankedBy();
+  const bool angle = kind == JumpKind::Layer || kind == JumpKind::NormalS;
+  return { bsv::joinClassName(classified.of), std::string(kindOf(join)) + ", " + classified.reason,
+    names[join.sides[0].block] + " | " + names[join.sides[1].block],
+    bsv::shortNumber(join.worst[int(kind)].value) + (angle ? " degrees" : ""), measureName(kind) };
+}
+
+/// The border of an interface, or the line of a wall border.
+std::vector<Vec3> outline(const bsv::Join& join)
+{
+  if (join.border())
+  {
+    return join.points;
+  }
+  const int ns = join.samples[0], nt = join.samples[1];
+  std::vector<Vec3> line;
+  const auto add = [&](int s, int t) { line.push_back(join.points[s + std::size_t(ns) * t]); };
+  for (int s = 0; s + 1 < ns; ++s)
+  {
+    add(s, 0);
+  }
+  for (int t = 0; t + 1 < nt; ++t)
+  {
+    add(ns - 1, t);
+  }
+  for (int s = ns - 1; s > 0; --s)
+  {
+    add(s, nt - 1);
+  }
+  for (int t = nt - 1; t >= 0; --t)
+  {
+    add(0, t);
+  }
+  return line;
+}
+
+/// One line per join, in the order of the list: on the first rank, which gets them from the others. Collective.
+/// @param entries class, what, blocks, jump, measure and the six bounds, between tabulators
+void fillList(vtkPolyData* output, vtkStringArray* entries, const bsv::SmoothnessResult& result,
+  const bsv::BSplineVolumeBlocks& input, const bsv::Ranks& ranks)
+{
+  std::vector<double> coordinates;
+  std::vector<bsv::Index> counts;
+  const std::vector<int> order = bsv::rankedByClass(result);
+  for (const int n : order)
+  {
+    const bsv::Join& join = result.joins[n];
+    if (input.isHere(join.sides[0].block))
+    {
+      const std::vector<Vec3> line = outline(join);
+      counts.push_back(static_cast<bsv::Index>(line.size()));
+      for (const Vec3& x : line)
+      {
+        coordinates.insert(coordinates.end(), x.data(), x.data() + 3);
+      }
+    }
+  }
+  const auto allCounts = ranks.gather(counts);
+  const auto allCoordinates = ranks.gather(coordinates);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> lines;
+  // The spreadsheet sorts columns by their names.
+  const auto rank = filled<vtkIntArray>("1 Rank", 0, 0);
+  const auto joinClass = filled<vtkIntArray>("JoinClass", 0, 0);
+  const auto layerJump = filled<vtkDoubleArray>(ShownTitle, 0, 0.0);
+  std::array<vtkNew<vtkStringArray>, 5> texts;
+  static constexpr const char* Names[5] = { "2 Class", "3 What", "4 Blocks", "5 Jump", "6 Measure" };
+  for (int n = 0; n < 5; ++n)
+  {
+    texts[n]->SetName(Names[n]);
+  }
+  std::vector<std::size_t> nextCount(allCounts.size(), 0), nextCoordinate(allCounts.size(), 0);
+  for (std::size_t row = 0; row < order.size() && ranks.rank() == 0; ++row)
+  {
+    const bsv::Join& join = result.joins[order[row]];
+    const int from = input.ranks[join.sides[0].block];
+    const bsv::Index count = allCounts[from][nextCount[from]++];
+    lines->InsertNextCell(static_cast<int>(count));
+    double bounds[6] = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX,
+      -VTK_DOUBLE_MAX };
+    for (bsv::Index n = 0; n < count; ++n)
+    {
+      const double* x = allCoordinates[from].data() + nextCoordinate[from];
+      nextCoordinate[from] += 3;
+      lines->InsertCellPoint(points->InsertNextPoint(x));
+      for (int d = 0; d < 3; ++d)
+      {
+        bounds[2 * d] = std::min(bounds[2 * d], x[d]);
+        bounds[2 * d + 1] = std::max(bounds[2 * d + 1], x[d]);
+      }
+    }
+    const Row entry = rowOf(join, input.names);
+    rank->InsertNextValue(static_cast<int>(row) + 1);
+    joinClass->InsertNextValue(static_cast<int>(bsv::classifyJoin(join).of));
+    layerJump->InsertNextValue(join.worst[int(JumpKind::Layer)].value);
+    const std::array<const std::string*, 5> columns{ &entry.of, &entry.what, &entry.blocks, &entry.jump,
+      &entry.measure };
+    std::string text;
+    for (int n = 0; n < 5; ++n)
+    {
+      texts[n]->InsertNextValue(*columns[n]);
+      text += *columns[n] + '\t';
+    }
+    for (int n = 0; n < 6; ++n)
+    {
+      std::ostringstream number;
+      number.precision(17);
+      number << bounds[n];
+      text += number.str() + (n < 5 ? "\t" : "");
+    }
+    entries->InsertNextValue(text);
+  }
+  output->SetPoints(points);
+  output->SetLines(lines);
+  output->GetCellData()->AddArray(rank);
+  for (const auto& array : texts)
+  {
+    output->GetCellData()->AddArray(array);
+  }
+  output->GetCellData()->AddArray(joinClass);
+  output->GetCellData()->AddArray(layerJump);
+  output->GetCellData()->SetActiveScalars(ShownTitle);
+}
+
 /// @param rows false: only the columns
 void fillTable(vtkTable* table, const bsv::SmoothnessResult& result, const std::vector<std::string>& names, bool rows)
 {
@@ -308,6 +488,7 @@ void fillTable(vtkTable* table, const bsv::SmoothnessResult& result, const std::
   using bsv::Join;
   using bsv::JumpMaximum;
 
+  text("Class", [](const Join& join) { return bsv::joinClassName(bsv::classifyJoin(join).of); });
   text("Continuity", [](const Join& join) { return bsv::continuityName(join.continuity); });
   text("Kind", [](const Join& join) { return kindOf(join); });
   for (int side = 0; side < 2; ++side)
@@ -414,6 +595,28 @@ void fillCurves(vtkPolyData* output, const bsv::SmoothnessResult& result, const 
   builder.build(output);
 }
 
+std::string verdictText(const bsv::SmoothnessResult& result, const std::vector<std::string>& names)
+{
+  std::array<int, bsv::JoinClasses> counts{};
+  for (const bsv::Join& join : result.joins)
+  {
+    ++counts[int(bsv::classifyJoin(join).of)];
+  }
+  std::ostringstream text;
+  text << result.joins.size() << " joins: " << counts[int(bsv::JoinClass::Defect)] << " defects, "
+       << counts[int(bsv::JoinClass::Expected)] << " expected, " << counts[int(bsv::JoinClass::Deliberate)]
+       << " deliberate, " << counts[int(bsv::JoinClass::Smooth)] << " smooth";
+  if (counts[int(bsv::JoinClass::Defect)] > 0)
+  {
+    const bsv::Join& join = result.joins[bsv::rankedByClass(result).front()];
+    const Vec3& at = join.worst[int(join.rankedBy())].point;
+    const Row row = rowOf(join, names);
+    text << "\nWorst defect: " << row.jump << ' ' << row.measure << " at " << bsv::shortNumber(at[0]) << ' '
+         << bsv::shortNumber(at[1]) << ' ' << bsv::shortNumber(at[2]) << ", " << row.blocks;
+  }
+  return text.str();
+}
+
 std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std::string>& names)
 {
   std::ostringstream text;
@@ -471,8 +674,18 @@ std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std:
 
 //------------------------------------------------------------------------------
 vtkBSplineVolumeSmoothness::vtkBSplineVolumeSmoothness()
+  : JoinList(vtkSmartPointer<vtkStringArray>::New())
 {
-  this->SetNumberOfOutputPorts(4);
+  this->SetNumberOfOutputPorts(6);
+}
+
+//------------------------------------------------------------------------------
+vtkBSplineVolumeSmoothness::~vtkBSplineVolumeSmoothness() = default;
+
+//------------------------------------------------------------------------------
+vtkStringArray* vtkBSplineVolumeSmoothness::GetJoinList()
+{
+  return this->JoinList;
 }
 
 //------------------------------------------------------------------------------
@@ -509,8 +722,8 @@ int vtkBSplineVolumeSmoothness::FillInputPortInformation(int, vtkInformation* in
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeSmoothness::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  static constexpr const char* Types[4] = { "vtkPartitionedDataSetCollection", "vtkPartitionedDataSetCollection",
-    "vtkTable", "vtkPolyData" };
+  static constexpr const char* Types[6] = { "vtkPartitionedDataSetCollection", "vtkPartitionedDataSetCollection",
+    "vtkTable", "vtkPolyData", "vtkPolyData", "vtkTable" };
   info->Set(vtkDataObject::DATA_TYPE_NAME(), Types[port]);
   return 1;
 }
@@ -521,8 +734,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
 {
   Outputs output{ vtkPartitionedDataSetCollection::GetData(outputVector, 0),
     vtkPartitionedDataSetCollection::GetData(outputVector, 1), vtkTable::GetData(outputVector, 2),
-    vtkPolyData::GetData(outputVector, 3) };
-  if (!output.interfaces || !output.blocks || !output.joins || !output.curves)
+    vtkPolyData::GetData(outputVector, 3), vtkPolyData::GetData(outputVector, 4), vtkTable::GetData(outputVector, 5) };
+  if (!output.interfaces || !output.blocks || !output.joins || !output.curves || !output.list || !output.verdict)
   {
     vtkErrorMacro("An output is missing.");
     return 0;
@@ -532,6 +745,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
     this->MaximumC2Jump = 0.0;
   this->NumberOfInterfaces = this->NumberOfWallBorders = this->NumberOfExtraordinaryCurves = 0;
   this->Report.clear();
+  this->JoinList->Initialize();
+  bsv::setText(output.verdict, "");
 
   return bsv::execute(this, &output, [&] {
     const bsv::BSplineVolumeBlocks input =
@@ -556,10 +771,11 @@ int vtkBSplineVolumeSmoothness::RequestData(
     }
 
     std::vector<bool> wall(6 * input.volumes.size(), false);
+    const std::vector<bool> isWall = bsv::wallBoundaries(vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames,
+      input.boundaryTypes, this->BodyBoundaries, *bsv::globalRanks());
     for (const bsv::BoundaryPatch& patch : input.boundaries)
     {
-      wall[6 * patch.block + patch.face] =
-        bsv::isBodyBoundary(this->BodyBoundaries, input.boundaryNames, input.boundaryTypes, patch.tag);
+      wall[6 * patch.block + patch.face] = isWall[patch.tag];
     }
     const bool all = this->AllOuterFaces || std::find(wall.begin(), wall.end(), true) == wall.end();
     bsv::SmoothnessOptions options;
@@ -578,6 +794,7 @@ int vtkBSplineVolumeSmoothness::RequestData(
     // The tables of all ranks are shown as one.
     fillTable(output.joins, result, input.names, bsv::globalRanks()->rank() == 0);
     fillCurves(output.curves, result, input);
+    fillList(output.list, this->JoinList, result, input, *bsv::globalRanks());
     for (std::size_t n = 0; n < interfaces.size(); ++n)
     {
       bsv::Join& join = result.joins[n];
@@ -603,11 +820,12 @@ int vtkBSplineVolumeSmoothness::RequestData(
     {
       run.report(static_cast<double>(b) / input.volumes.size());
       const int worst = result.blocks[b].worstJoin;
-      surfaces.push_back(input.isHere(b) ? skin(input.volumes[b], this->SamplesPerSpan) : nullptr);
+      surfaces.push_back(nullptr);
       if (!input.isHere(b))
       {
         continue;
       }
+      surfaces.back() = this->BlockSkins ? skin(input.volumes[b], this->SamplesPerSpan) : wires(input.volumes[b], 2);
       setBlockJumps(surfaces.back(), result.blocks[b], worst < 0 ? -1 : rowOf[worst]);
     }
     setParts(output.blocks, surfaces, input.names, "Blocks");
@@ -624,7 +842,9 @@ int vtkBSplineVolumeSmoothness::RequestData(
     this->NumberOfInterfaces = static_cast<int>(interfaces.size());
     this->NumberOfWallBorders = static_cast<int>(result.joins.size() - interfaces.size());
     this->NumberOfExtraordinaryCurves = static_cast<int>(result.curves.size());
-    this->Report = reportOf(result, input.names);
+    const std::string text = verdictText(result, input.names);
+    bsv::setText(output.verdict, text);
+    this->Report = text + '\n' + reportOf(result, input.names);
     this->UpdateProgress(1.0);
   });
 }
@@ -640,5 +860,6 @@ void vtkBSplineVolumeSmoothness::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "GapTolerance: " << this->GapTolerance << '\n';
   os << indent << "Tolerance: " << this->Tolerance << '\n';
   os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
+  os << indent << "BlockSkins: " << (this->BlockSkins ? "On" : "Off") << '\n';
   os << indent << "Report: " << this->Report << '\n';
 }

@@ -33,20 +33,28 @@
  *    `Blocks` (2), `Faces` (2), `Orientation`, `AtCrease`, `Continuity` (int), `Valences` (int, 4: blocks around the
  *    edges at s = 0, s = end, t = 0, t = end of face A; negative on the outer boundary). The collection's field data
  *    hold the maxima of all joins that are no creases.
- * 1. `Blocks`: vtkPartitionedDataSetCollection with the blocks' names: the skin of each block as vtkPolyData. Cell and
+ * 1. `Blocks`: vtkPartitionedDataSetCollection with the blocks' names: the edges of each block as vtkPolyData, or with
+ *    BlockSkins its faces. Cell and
  *    field arrays `Gap`, `NormalJump`, `LayerJump`, `Kink`, `C1Jump`, `C2Jump`, `Continuity`: the worst of the block's
  *    joins; `WorstJoin` (int): row of the table, or -1.
  * 2. `Joins`: vtkTable, one row per interface and wall border, the worst first: by continuity, then by the jump that
- *    breaks it (`RankedBy`), creases last. Columns: `Continuity` (string: open, C0, G1, C1, C2), `Kind` (string:
- *    interface, wall border, crease), `NameA`, `NameB`, `BlockA`, `FaceA`, `EdgeA`, `BlockB`, `FaceB`, `EdgeB` (block
- *    edges of a wall border, else -1), `Orientation`, `AtCrease` (int: 1 for creases and for interfaces that end at
- *    one), `MaximumGap`, `MaximumNormalJump`, `MaximumNormalJumpS`, `MaximumNormalJumpT`, `MaximumLayerJump`,
- *    `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump`, `RankedBy` (string), and where the jump of that name is largest:
- *    `Where` (3: point), `UVWA` (3), `UVWB` (3: parameters in either block).
+ *    breaks it (`RankedBy`), creases last. Columns: `Class` (string: defect, expected, deliberate, smooth;
+ * JoinClass.h), `Continuity` (string: open, C0, G1, C1, C2), `Kind` (string: interface, wall border, crease), `NameA`,
+ * `NameB`, `BlockA`, `FaceA`, `EdgeA`, `BlockB`, `FaceB`, `EdgeB` (block edges of a wall border, else -1),
+ * `Orientation`, `AtCrease` (int: 1 for creases and for interfaces that end at one), `MaximumGap`, `MaximumNormalJump`,
+ * `MaximumNormalJumpS`, `MaximumNormalJumpT`, `MaximumLayerJump`, `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump`,
+ * `RankedBy` (string), and where the jump of that name is largest: `Where` (3: point), `UVWA` (3), `UVWB` (3:
+ * parameters in either block).
  * 3. `Curves`: vtkPolyData, lines: extraordinary curves (interior block edges at which other than four blocks meet) and
  *    wall borders. Point arrays `Valence` (int: blocks around), `NormalJump` (of the layers that an extraordinary curve
  *    pierces, the largest around it; of the wall); cell arrays `Kind` (int: 0 extraordinary curve, 1 wall border, 2
  *    crease), `Valence`, `Continuity` (-1 for extraordinary curves), `BlockA`, `BlockB` (-1 for extraordinary curves).
+ *
+ * 4. `Join List`: vtkPolyData, one line per join, defects first (JoinClass.h): the border of an interface, or the wall
+ *    border itself. Cell arrays in reading order: `1 Rank`, `2 Class`, `3 What`, `4 Blocks`, `5 Jump` (string, with its
+ *    unit), `6 Measure`; `JoinClass` (int: 0 defect, 1 expected, 2 deliberate, 3 smooth); `Layer jump
+ *    (degrees)`, the largest. All on the first rank.
+ * 5. `Verdict`: vtkTable with one row and the column `Text`, as ParaView shows it in the view.
  *
  * Active scalars, by which ParaView colours first: `LayerJump`, of the curves `NormalJump`.
  *
@@ -61,8 +69,11 @@
 #include "BSplineVolumeFiltersModule.h" // For export macro
 #include "Data/BoundaryPatterns.h"      // For the names of the body
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkSmartPointer.h" // For the list
 
 #include <string> // For the report
+
+class vtkStringArray;
 
 class BSPLINEVOLUMEFILTERS_EXPORT vtkBSplineVolumeSmoothness : public vtkPartitionedDataSetCollectionAlgorithm
 {
@@ -150,9 +161,25 @@ public:
   const char* GetReport() const { return this->Report.c_str(); }
   ///@}
 
+  /**
+   * The join list as texts, one per line of it: class, what, blocks, jump, measure and the six bounds of the line,
+   * between tabulators. For clients that do not have the data.
+   */
+  vtkStringArray* GetJoinList();
+
+  ///@{
+  /**
+   * Make output 1 the surfaces of all six faces of every block, not only its twelve edges: much more memory. Default
+   * off.
+   */
+  vtkSetMacro(BlockSkins, bool);
+  vtkGetMacro(BlockSkins, bool);
+  vtkBooleanMacro(BlockSkins, bool);
+  ///@}
+
 protected:
   vtkBSplineVolumeSmoothness();
-  ~vtkBSplineVolumeSmoothness() override = default;
+  ~vtkBSplineVolumeSmoothness() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
@@ -180,6 +207,8 @@ private:
   int NumberOfWallBorders = 0;
   int NumberOfExtraordinaryCurves = 0;
   std::string Report;
+  bool BlockSkins = false;
+  vtkSmartPointer<vtkStringArray> JoinList;
 };
 
 #endif

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBodyDeviation.h"
 
+#include "vtkCatmullClarkToBSplineVolume.h"
+
 #include "Body/ClosestPoint.h"
 #include "Data/BSplineVolumeData.h"
+#include "Data/BoundarySelection.h"
 #include "Data/NURBSSurfaceData.h"
+#include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/OwnedValues.h"
 #include "Volume/Sampling.h"
@@ -25,6 +29,7 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkTable.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -106,12 +111,12 @@ std::vector<double> facePoints(const bsv::BSplineVolume& volume, int face)
 
 /// The wall, on all ranks.
 std::vector<WallFace> wallFaces(
-  const bsv::BSplineVolumeBlocks& input, const bsv::BoundaryPatterns& patterns, const bsv::Ranks& ranks)
+  const bsv::BSplineVolumeBlocks& input, const std::vector<bool>& isWall, const bsv::Ranks& ranks)
 {
   std::vector<bsv::BoundaryPatch> patches;
   for (const bsv::BoundaryPatch& patch : input.boundaries)
   {
-    if (bsv::isBodyBoundary(patterns, input.boundaryNames, input.boundaryTypes, patch.tag))
+    if (isWall[patch.tag])
     {
       patches.push_back(patch);
     }
@@ -529,6 +534,40 @@ Totals bodySamples(vtkPolyData* surface, int owner, const bsv::BodySurface& body
   return totals[0];
 }
 
+/// The body of the conversion from which the input of `filter` comes, through any filters between, or null.
+vtkDataObject* bodyOfConversion(vtkAlgorithm* filter)
+{
+  for (vtkAlgorithm* from = filter;
+       from && from->GetNumberOfInputPorts() > 0 && from->GetNumberOfInputConnections(0) > 0;)
+  {
+    from = from->GetInputAlgorithm(0, 0);
+    if (vtkCatmullClarkToBSplineVolume::SafeDownCast(from))
+    {
+      return from->GetNumberOfInputConnections(1) > 0 ? from->GetInputDataObject(1, 0) : nullptr;
+    }
+  }
+  return nullptr;
+}
+
+/// Where the wall is farthest from the body. Collective.
+std::string placeOfMaximum(vtkPolyData* wall, const bsv::Ranks& ranks)
+{
+  vtkDataArray* distances = wall->GetPointData()->GetArray("Distance");
+  std::array<double, 4> worst{ -1.0, 0.0, 0.0, 0.0 };
+  for (vtkIdType n = 0; distances && n < distances->GetNumberOfTuples(); ++n)
+  {
+    std::array<double, 4> here{ distances->GetTuple1(n), 0.0, 0.0, 0.0 };
+    wall->GetPoint(n, here.data() + 1);
+    worst = std::max(worst, here);
+  }
+  for (const std::array<double, 4>& other : ranks.gatherAll(std::vector<std::array<double, 4>>{ worst }))
+  {
+    worst = std::max(worst, other);
+  }
+  return "farthest at " + bsv::shortNumber(worst[1]) + ' ' + bsv::shortNumber(worst[2]) + ' ' +
+    bsv::shortNumber(worst[3]) + '\n';
+}
+
 /// Null parts are on other ranks.
 void setParts(vtkPartitionedDataSetCollection* output, vtkPolyData* wall, vtkPolyData* body)
 {
@@ -555,6 +594,7 @@ void setParts(vtkPartitionedDataSetCollection* output, vtkPolyData* wall, vtkPol
 vtkBodyDeviation::vtkBodyDeviation()
 {
   this->SetNumberOfInputPorts(2);
+  this->SetNumberOfOutputPorts(2);
 }
 
 //------------------------------------------------------------------------------
@@ -587,10 +627,21 @@ const char* vtkBodyDeviation::GetBodyBoundary(int index) const
 }
 
 //------------------------------------------------------------------------------
-int vtkBodyDeviation::FillInputPortInformation(int, vtkInformation* info)
+int vtkBodyDeviation::FillInputPortInformation(int port, vtkInformation* info)
 {
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkBodyDeviation::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPartitionedDataSetCollection" : "vtkTable");
   return 1;
 }
 
@@ -599,26 +650,33 @@ int vtkBodyDeviation::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
-  vtkDataObject* bodyData = vtkDataObject::GetData(inputVector[1], 0);
-  if (!output)
+  vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
+  vtkDataObject* bodyData = given ? given : bodyOfConversion(this);
+  auto* verdict = vtkTable::GetData(outputVector, 1);
+  if (!output || !verdict)
   {
     vtkErrorMacro("Output is missing.");
     return 0;
   }
+  this->Report.clear();
+  bsv::setText(verdict, "");
   this->MaximumDistance = this->RMSDistance = this->MaximumNormalDeviation = this->HausdorffDistance = 0.0;
   return bsv::execute(this, output, [&] {
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.1);
     const bsv::Ranks& ranks = *run.ranks;
     if (!ranks.any(bodyData != nullptr))
     {
-      throw bsv::Error("Body is missing");
+      throw bsv::Error("Body is missing: choose a NURBS surface, or give one to the conversion");
     }
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
     if (input.volumes.empty())
     {
       return;
     }
-    const std::vector<WallFace> faces = wallFaces(input, this->BodyBoundaries, ranks);
+    const std::vector<WallFace> faces = wallFaces(input,
+      bsv::wallBoundaries(vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames, input.boundaryTypes,
+        this->BodyBoundaries, ranks),
+      ranks);
     if (faces.empty())
     {
       throw bsv::Error("no boundary of the volume is part of the body: Body Boundaries are " +
@@ -679,6 +737,13 @@ int vtkBodyDeviation::RequestData(
       ranks.rank() == owner ? surface.Get() : nullptr);
     setTotals(output, ofWall);
     setNumber(output, "HausdorffDistance", this->HausdorffDistance);
+    const std::string text = "Wall and body: at most " + bsv::shortNumber(this->MaximumDistance) +
+      " apart (length unit of the mesh), " + bsv::shortNumber(this->RMSDistance) + " in the mean square\n" +
+      "Normals: at most " + bsv::shortNumber(this->MaximumNormalDeviation) + " degrees apart";
+    bsv::setText(verdict, text);
+    this->Report = text + "\nHausdorff distance, over the samples: " + bsv::shortNumber(this->HausdorffDistance) +
+      '\n' + placeOfMaximum(wallData, ranks) + std::to_string(faces.size()) + " faces of the wall, " +
+      std::to_string(bodyPatches.size()) + " patches of the body\n";
   });
 }
 

@@ -6,7 +6,7 @@
  * Input port 0 (`Input`): a B-spline volume (BSplineVolumeData.h) with `Boundaries` and `BoundaryNames`. Its wall are
  * the block faces whose boundary names fit BodyBoundaries.
  * Input port 1 (`Body`): NURBS surfaces (NURBSSurfaceData.h) in the same length unit, trimmed or not, with or without
- * their tessellation.
+ * their tessellation. Optional if the volume comes from a vtkCatmullClarkToBSplineVolume that has a body: then that.
  *
  * Output: a vtkPartitionedDataSetCollection with the two parts `Wall` and `Body`, both vtkPolyData.
  *
@@ -30,6 +30,8 @@
  * `HausdorffDistance`, the larger of the two parts' `MaximumDistance`: an estimate from below, since both are taken
  * over samples.
  *
+ * Output port 1 (`Verdict`): a vtkTable with one row and the column `Text`, as ParaView shows it in the view.
+ *
  * On several ranks each gives the wall of its own blocks, and the rank that has the tessellation (the lowest, if
  * several have it) the body; totals are those of all, the same bits for any distribution. The body's patches may be on
  * any ranks.
@@ -42,6 +44,8 @@
 #include "BSplineVolumeFiltersModule.h" // For export macro
 #include "Data/BoundaryPatterns.h"      // For the names of the body
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
+
+#include <string> // For the report
 
 class BSPLINEVOLUMEFILTERS_EXPORT vtkBodyDeviation : public vtkPartitionedDataSetCollectionAlgorithm
 {
@@ -85,11 +89,17 @@ public:
   vtkGetMacro(HausdorffDistance, double);
   ///@}
 
+  /**
+   * The same as a text, with the place where the wall is farthest from the body.
+   */
+  const char* GetReport() const { return this->Report.c_str(); }
+
 protected:
   vtkBodyDeviation();
   ~vtkBodyDeviation() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -103,6 +113,7 @@ private:
   double RMSDistance = 0.0;
   double MaximumNormalDeviation = 0.0;
   double HausdorffDistance = 0.0;
+  std::string Report;
 };
 
 #endif

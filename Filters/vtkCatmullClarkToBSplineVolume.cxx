@@ -10,6 +10,7 @@
 #include "Data/BSplineVolumeData.h"
 #include "Data/HexBlockData.h"
 #include "Data/NURBSSurfaceData.h"
+#include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
 #include "Wall/BodyFit.h"
@@ -29,6 +30,7 @@
 #include "vtkPoints.h"
 #include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
+#include "vtkTable.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -188,6 +190,9 @@ struct WallPoints
   bool onBody = false;
   /// Displacements of the wall's points, if they are moved.
   std::optional<bsv::WallFit> fit;
+  /// Largest distance of a limit point of the wall from the body, or from its target; and how far points were moved.
+  double distance = 0.0;
+  double displacement = 0.0;
   /// How it was decided, and what the fit did, one sentence each.
   std::string report;
 };
@@ -226,6 +231,7 @@ WallPoints takeWallPoints(const bsv::BlockComplex& complex, const bsv::Conversio
     text << "body of " << options.body->patches().size() << " patches: " << distances.wallPoints
          << " wall points, largest distance of the points " << distances.inputPoints
          << ", of their Catmull-Clark limit points " << distances.limitPoints << '\n';
+    result.distance = distances.limitPoints;
     if (inputPoints == Filter::AUTOMATIC)
     {
       result.onBody = distances.inputPoints <= distances.limitPoints;
@@ -242,6 +248,8 @@ WallPoints takeWallPoints(const bsv::BlockComplex& complex, const bsv::Conversio
     fit.edgesOnly = !result.onBody;
     result.fit = bsv::solveFit(complex, options, rules, fit, run);
     const bsv::BodyFitReport& report = result.fit->report;
+    result.distance = result.onBody ? report.residual : result.distance;
+    result.displacement = report.displacement;
     text << (result.onBody ? "wall" : "creases and borders of the wall") << " fitted in " << report.iterations
          << " iterations: limit points within " << report.residual << " of their targets, before "
          << report.initialResidual << "; wall points moved by up to " << report.displacement << '\n';
@@ -423,6 +431,68 @@ std::string spanText(
   return text.str();
 }
 
+/// Mean length of the mesh edges of the wall, or 0. Collective.
+double meanWallEdge(const bsv::BlockComplex& complex, const bsv::ConversionOptions& options, const bsv::Ranks& ranks)
+{
+  // Per face, so that the sum does not depend on who has them.
+  std::vector<std::array<double, 2>> perFace(complex.faces.size(), { 0.0, 0.0 });
+  ranks.together([&] {
+    for (std::size_t f = 0; f < complex.faces.size(); ++f)
+    {
+      const bsv::ComplexFace& face = complex.faces[f];
+      const bsv::FaceUse& use = face.uses.front();
+      const bsv::ComplexBlock& block = complex.blocks[use.block];
+      if (!face.boundary() || face.tag < 0 || options.roles[face.tag] != bsv::BoundaryRole::Body ||
+        block.rank != ranks.rank())
+      {
+        continue;
+      }
+      const bsv::Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
+      const auto at = [&](int s, int t) { return block.points(bsv::facePoint(cells, use.face, s, t)); };
+      for (int t = 0; t < cells[bsv::faceAxis(use.face, 1)]; ++t)
+      {
+        for (int s = 0; s < cells[bsv::faceAxis(use.face, 0)]; ++s)
+        {
+          perFace[f][0] += (at(s + 1, t) - at(s, t)).norm() + (at(s, t + 1) - at(s, t)).norm();
+          perFace[f][1] += 2.0;
+        }
+      }
+    }
+  });
+  ranks.share(perFace, [&](bsv::Index f) { return complex.blocks[complex.faces[f].uses.front().block].rank; });
+  double sum = 0.0, count = 0.0;
+  for (const std::array<double, 2>& face : perFace)
+  {
+    sum += face[0];
+    count += face[1];
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+/// How close the wall is to the body.
+std::string wallSentence(const WallPoints& wall, bool hasBody, double edge)
+{
+  if (!hasBody)
+  {
+    return wall.onBody ? "Wall: within " + bsv::shortNumber(wall.distance) + " of the mesh points"
+                       : "Wall: no body given";
+  }
+  std::string text = "Wall: within " + bsv::shortNumber(wall.distance) + " of the body";
+  if (edge > 0.0)
+  {
+    text += ", " + bsv::shortNumber(100.0 * wall.distance / edge) + " % of a mean edge";
+  }
+  return text + "; its points moved by at most " + bsv::shortNumber(wall.displacement);
+}
+
+/// Whether any block has knots in three directions. Collective.
+bool isVolume(const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const bsv::Ranks& ranks)
+{
+  return ranks.any(std::any_of(grids.begin(), grids.end(), [](const vtkSmartPointer<vtkStructuredGrid>& grid) {
+    return grid && grid->GetFieldData()->HasArray("KnotsW") != 0;
+  }));
+}
+
 /// What each of several ranks had to do.
 std::string rankText(const bsv::BlockComplex& complex, const std::vector<bsv::Index>& received)
 {
@@ -451,6 +521,7 @@ vtkCatmullClarkToBSplineVolume::vtkCatmullClarkToBSplineVolume()
   : ControlPointsPerRule(vtkSmartPointer<vtkIdTypeArray>::New())
 {
   this->SetNumberOfInputPorts(2);
+  this->SetNumberOfOutputPorts(2);
   this->ResetReport();
 }
 
@@ -477,6 +548,7 @@ void vtkCatmullClarkToBSplineVolume::AddBodyBoundary(const char* pattern)
   if (pattern && *pattern)
   {
     this->BodyBoundaries.emplace_back(pattern);
+    this->BodySelection.forget();
     this->Modified();
   }
 }
@@ -485,6 +557,7 @@ void vtkCatmullClarkToBSplineVolume::AddBodyBoundary(const char* pattern)
 void vtkCatmullClarkToBSplineVolume::ClearBodyBoundaries()
 {
   this->BodyBoundaries.clear();
+  this->BodySelection.forget();
   this->Modified();
 }
 
@@ -500,6 +573,7 @@ void vtkCatmullClarkToBSplineVolume::AddSymmetryBoundary(const char* pattern)
   if (pattern && *pattern)
   {
     this->SymmetryBoundaries.emplace_back(pattern);
+    this->SymmetrySelection.forget();
     this->Modified();
   }
 }
@@ -508,6 +582,7 @@ void vtkCatmullClarkToBSplineVolume::AddSymmetryBoundary(const char* pattern)
 void vtkCatmullClarkToBSplineVolume::ClearSymmetryBoundaries()
 {
   this->SymmetryBoundaries.clear();
+  this->SymmetrySelection.forget();
   this->Modified();
 }
 
@@ -592,17 +667,36 @@ int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int port, vtkInform
 }
 
 //------------------------------------------------------------------------------
+int vtkCatmullClarkToBSplineVolume::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPartitionedDataSetCollection" : "vtkTable");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkCatmullClarkToBSplineVolume::RequestInformation(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
+{
+  vtkDataObject* mesh = vtkDataObject::GetData(inputVector[0], 0);
+  this->BodySelection.offer(mesh, this->BodyBoundaries, bsv::defaultBodyBoundaries());
+  this->SymmetrySelection.offer(mesh, this->SymmetryBoundaries, bsv::defaultSymmetryBoundaries());
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 int vtkCatmullClarkToBSplineVolume::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
-  if (!input || !output)
+  auto* verdict = vtkTable::GetData(outputVector, 1);
+  if (!input || !output || !verdict)
   {
     vtkErrorMacro("Input or output is missing.");
     return 0;
   }
   this->ResetReport();
+  bsv::setText(verdict, "");
 
   return bsv::execute(this, output, [&] {
     // Parts of the progress, and one count of what the ranks receive.
@@ -620,6 +714,10 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     if (mesh.blocks.empty())
     {
       return;
+    }
+    if (isVolume(meshGrids, ranks))
+    {
+      throw bsv::Error("Input is a B-spline volume already; only meshes are converted");
     }
     const int selected = this->BodyFaces.empty() ? -1 : addBodyFaces(mesh, this->BodyFaces);
 
@@ -696,6 +794,14 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
 
     // The conversion.
     options.roles = bsv::boundaryRoles(complex, this->BodyBoundaries, this->SymmetryBoundaries);
+    for (std::size_t tag = 0; tag < options.roles.size(); ++tag)
+    {
+      const std::string& name = complex.boundaryNames[tag];
+      bsv::BoundaryRole& role = options.roles[tag];
+      role = this->BodySelection.has(name, role == bsv::BoundaryRole::Body)      ? bsv::BoundaryRole::Body
+        : this->SymmetrySelection.has(name, role == bsv::BoundaryRole::Symmetry) ? bsv::BoundaryRole::Symmetry
+                                                                                 : bsv::BoundaryRole::Other;
+    }
     if (selected >= 0)
     {
       options.roles[selected] = bsv::BoundaryRole::Body;
@@ -747,7 +853,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     // failing spans until these are valid.
     const auto convert = [&](bool repair) {
       options.repairSpans = repair;
-      return bsv::convertToBSplineVolume(complex, options, storage, execution(0.5, 1.0), &rules);
+      return bsv::convertToBSplineVolume(
+        complex, options, storage, execution(0.5, this->CheckJoins ? 0.8 : 1.0), &rules);
     };
     const bsv::BlockComplex unfitted = complex;
     std::vector<double> shares;
@@ -779,11 +886,12 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         counts = convert(true);
       }
     }
-    const bsv::WallMotion motion = bsv::wallMotion(unfitted, complex, options, rules, execution(1.0, 1.0));
+    const bsv::WallMotion motion = bsv::wallMotion(
+      unfitted, complex, options, rules, execution(this->CheckJoins ? 0.8 : 1.0, this->CheckJoins ? 0.8 : 1.0));
 
     const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
 
-    // The output. From here on the ranks do not communicate.
+    // The output.
     bsv::setBlocks(output, nets, names, "BSplineVolume");
     setContacts(output, complex);
     // The pipeline passes on that of the input, in mesh points of blocks that may have been cut.
@@ -811,7 +919,51 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     this->NumberOfInvalidSpans = counts.spans.invalid;
     this->NumberOfUndecidedSpans = counts.spans.undecided;
     this->ReceivedBytes = received[ranks.rank()];
-    this->Report = reportText(complex, classes, options, wallPoints, counts, knots) + shareText(shares) +
+
+    // The verdict.
+    vtkNew<vtkIntArray> roles;
+    roles->SetName("BoundaryRoles");
+    std::vector<bool> wall;
+    for (std::size_t tag = 0; tag < complex.boundaryNames.size(); ++tag)
+    {
+      roles->InsertNextValue(static_cast<int>(options.roles[tag]));
+      wall.push_back(options.roles[tag] == bsv::BoundaryRole::Body);
+    }
+    output->GetFieldData()->AddArray(roles);
+    std::vector<std::string> lines;
+    if (this->CheckJoins)
+    {
+      lines = bsv::joinSentences(bsv::joinVerdict(output, wall, execution(0.8, 1.0)));
+    }
+    else
+    {
+      lines.emplace_back("Watertight: blocks share their control points; joins not measured (Check Joins)");
+    }
+    lines.push_back(
+      wallSentence(wallPoints, options.body != nullptr, options.body ? meanWallEdge(complex, options, ranks) : 0.0));
+    if (counts.spans.checked > 0)
+    {
+      const bsv::Index bad = counts.spans.invalid + counts.spans.invalidCells;
+      lines.push_back("Spans: " + std::to_string(counts.spans.checked) + " checked, " +
+        (bad + counts.spans.undecided == 0
+            ? std::string("all valid")
+            : std::to_string(bad) + " invalid, " + std::to_string(counts.spans.undecided) + " undecided"));
+    }
+    else
+    {
+      lines.emplace_back("Spans: not checked (Check Spans)");
+    }
+    if (complex.tangledCells > 0)
+    {
+      lines.push_back("Borderline: " + std::to_string(complex.tangledCells) + " tangled cells in the mesh");
+    }
+    std::string verdictText;
+    for (const std::string& line : lines)
+    {
+      verdictText += line + '\n';
+    }
+    bsv::setText(verdict, verdictText.substr(0, verdictText.size() - 1));
+    this->Report = verdictText + reportText(complex, classes, options, wallPoints, counts, knots) + shareText(shares) +
       motionText(motion, wallPoints.onBody) + spanText(complex, options, counts.spans) + rankText(complex, received);
     std::vector<std::string> warnings = complex.warnings;
     if (!counts.spans.left.empty())
@@ -822,6 +974,18 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         "', cell (" + triple(", ", first.cell[0], first.cell[1], first.cell[2]) + "); see the report");
     }
     bsv::warn(this, warnings);
+    bsv::warn(this,
+      bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), complex.boundaryNames,
+        complex.boundaryTypes));
+    bsv::warn(this,
+      bsv::uselessPatterns("Symmetry Boundaries", this->SymmetryBoundaries, bsv::defaultSymmetryBoundaries(),
+        complex.boundaryNames, complex.boundaryTypes));
+    for (const auto& entry : this->BoundaryWallSpacings)
+    {
+      bsv::warn(this,
+        bsv::uselessPatterns(
+          "Boundary Wall Spacing", { entry.first }, {}, complex.boundaryNames, complex.boundaryTypes));
+    }
   });
 }
 
@@ -872,6 +1036,7 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FitIterations: " << this->FitIterations << '\n';
   os << indent << "MatchTolerance: " << this->MatchTolerance << '\n';
   os << indent << "AllowDegenerate: " << (this->AllowDegenerate ? "On" : "Off") << '\n';
+  os << indent << "CheckJoins: " << (this->CheckJoins ? "On" : "Off") << '\n';
   os << indent << "AllowOpenInterior: " << (this->AllowOpenInterior ? "On" : "Off") << '\n';
   os << indent << "ReceivedBytes: " << this->ReceivedBytes << '\n';
   os << indent << "Report: " << this->Report << '\n';

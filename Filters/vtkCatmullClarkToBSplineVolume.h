@@ -29,11 +29,15 @@
  *   3 symmetry plane, 4 planar side, 5 body, 6 extraordinary vertex of the body, 7 crease, 8 corner, 9 extraordinary
  *   edge, 10 singular node, 11 wall layer, 12 first layer of the far-field extension.
  *
- * Field data of the collection: `ControlPointRuleNames` (string), and `Interfaces`, `Boundaries`, `BoundaryNames` of
+ * Field data of the collection: `ControlPointRuleNames` (string), `BoundaryRoles` (int, one per name of a boundary: 0
+ * far field or other, 1 body, 2 symmetry plane), and `Interfaces`, `Boundaries`, `BoundaryNames` of
  * the blocks of the output.
  *
  * On several ranks each gives the blocks whose points it was given, and pieces of them; both inputs may be distributed
  * in any way (HexBlockData.h). The result is the same bits as on one rank, the counts are those of all.
+ *
+ * Output port 1 (`Verdict`): a vtkTable with one row and the column `Text`, the first lines of the report, as ParaView
+ * shows it in the view.
  *
  * An empty input gives an empty output. What cannot be converted is an error that names block and value; the output is
  * then empty. A body whose wall is not in the mesh, or that is far from it, is such an error.
@@ -47,7 +51,8 @@
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 #include "vtkSmartPointer.h" // For the counts
 
-#include "Data/BoundaryPatterns.h" // For the names of the body
+#include "Data/BoundaryPatterns.h"  // For the names of the body
+#include "Data/BoundarySelection.h" // For the same as a list
 
 #include <array>   // For the selected faces
 #include <string>  // For names
@@ -165,6 +170,16 @@ public:
   void ClearSymmetryBoundaries();
   int GetNumberOfSymmetryBoundaries() const { return static_cast<int>(this->SymmetryBoundaries.size()); }
   const char* GetSymmetryBoundary(int index) const;
+  ///@}
+
+  ///@{
+  /**
+   * The boundaries of the mesh by name, each switched on or off as part of the body, or as a symmetry plane. They are
+   * known when the input was updated; until then, and for names that are not listed, the patterns above say it, and
+   * they say how a name begins. A change of the patterns makes them begin again.
+   */
+  vtkDataArraySelection* GetBodySelection() { return this->BodySelection.list(); }
+  vtkDataArraySelection* GetSymmetrySelection() { return this->SymmetrySelection.list(); }
   ///@}
 
   ///@{
@@ -389,6 +404,15 @@ public:
 
   ///@{
   /**
+   * Measure how smoothly the blocks join, for the verdict. It takes a few times as long as the conversion. Default off.
+   */
+  vtkSetMacro(CheckJoins, bool);
+  vtkGetMacro(CheckJoins, bool);
+  vtkBooleanMacro(CheckJoins, bool);
+  ///@}
+
+  ///@{
+  /**
    * What the last execution did, on all ranks together.
    */
   vtkGetMacro(NumberOfInputBlocks, int);
@@ -415,8 +439,8 @@ public:
   vtkDataArray* GetControlPointsPerRule();
 
   /**
-   * All of it as a text: totals, how the wall's points were taken, extraordinary curves per valence, boundaries with
-   * their roles, one line per block and, if there are several, per rank.
+   * All of it as a text: the verdict in a few lines, totals, how the wall's points were taken, extraordinary curves per
+   * valence, boundaries with their roles, one line per block and, if there are several, per rank.
    */
   const char* GetReport() const { return this->Report.c_str(); }
 
@@ -425,6 +449,8 @@ protected:
   ~vtkCatmullClarkToBSplineVolume() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -438,6 +464,8 @@ private:
   int FitIterations = 200;
   bsv::BoundaryPatterns BodyBoundaries = bsv::defaultBodyBoundaries();
   bsv::BoundaryPatterns SymmetryBoundaries = bsv::defaultSymmetryBoundaries();
+  bsv::BoundarySelection BodySelection{ this };
+  bsv::BoundarySelection SymmetrySelection{ this };
   std::vector<std::array<int, 2>> BodyFaces;
   bool UseCreaseAngle = false;
   double CreaseAngle = 30.0;
@@ -458,6 +486,7 @@ private:
   bool Untangle = false;
   double MatchTolerance = 0.05;
   bool AllowDegenerate = false;
+  bool CheckJoins = false;
   bool AllowOpenInterior = false;
 
   int NumberOfInputBlocks = 0;

@@ -100,6 +100,7 @@ struct Model
   std::vector<Curve> curves;
   std::vector<Node> nodes;
   std::vector<std::string> boundaryNames;
+  std::vector<std::string> boundaryTypes;
   /// Roles of the boundaries as a conversion took them (BSplineVolumeData.h), or empty.
   std::vector<int> roles;
   std::map<int, int> valences; ///< extraordinary edges per valence
@@ -115,10 +116,12 @@ void choosePart(Model& model, const Coarse& coarse, const Execution& run)
   bool wall = false;
   for (Face& face : model.faces)
   {
-    const std::string name = face.tag < 0 ? std::string() : model.boundaryNames[face.tag];
     const int role = face.tag < 0 || face.tag >= static_cast<int>(model.roles.size()) ? -1 : model.roles[face.tag];
-    const bool isWall = role >= 0 ? role == 1 : face.tag >= 0 && matchesAny(defaultBodyBoundaries(), name);
-    const bool isSymmetry = role >= 0 ? role == 2 : face.tag >= 0 && matchesAny({ "sym*", "bcsym*" }, name);
+    const auto chosen = [&](const BoundaryPatterns& patterns) {
+      return face.tag >= 0 && selectsBoundary(patterns, patterns, model.boundaryNames, model.boundaryTypes, face.tag);
+    };
+    const bool isWall = role >= 0 ? role == 1 : chosen(defaultBodyBoundaries());
+    const bool isSymmetry = role >= 0 ? role == 2 : chosen(defaultSymmetryBoundaries());
     face.part = isWall ? Part::Wall : isSymmetry ? Part::Symmetry : Part::FarField;
     wall = wall || isWall;
   }
@@ -554,6 +557,7 @@ BlockComplex looseBlocks(const BlockMesh& mesh)
 {
   BlockComplex complex;
   complex.boundaryNames = mesh.boundaryNames;
+  complex.boundaryTypes = mesh.boundaryTypes;
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
   {
     ComplexBlock block;
@@ -592,6 +596,7 @@ Model meshModel(const BlockComplex& complex, const Ranks& ranks)
     model.rankOfBlock.push_back(block.rank);
   }
   model.boundaryNames = complex.boundaryNames;
+  model.boundaryTypes = complex.boundaryTypes;
   for (const ComplexFace& face : complex.faces)
   {
     if (face.boundary())
@@ -657,6 +662,7 @@ Model volumeModel(const BSplineVolumeBlocks& input, const SharedEntities& shared
   model.ranks = &ranks;
   model.rankOfBlock = input.ranks;
   model.boundaryNames = input.boundaryNames;
+  model.boundaryTypes = input.boundaryTypes;
   std::vector<int> tags(6 * input.volumes.size(), -1);
   for (const BoundaryPatch& patch : input.boundaries)
   {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "displayDefaults.h"
 
+#include "vtkNew.h"
+#include "vtkPVPluginLoader.h"
 #include "vtkProcessModule.h"
 #include "vtkResourceFileLocator.h"
 #include "vtkSMSettings.h"
@@ -9,11 +11,40 @@
 
 #include <string>
 
+#ifdef _WIN32
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
+
 // The locator looks symbols up by their plain names.
 extern "C" BSPLINEVOLUMEDISPLAYS_EXPORT void bsvDisplaysLibrary() {}
 
 namespace bsv
 {
+
+namespace
+{
+
+std::string libraryFolder()
+{
+  return vtksys::SystemTools::GetFilenamePath(vtkGetLibraryPathForSymbol(bsvDisplaysLibrary));
+}
+
+/// Whether this process has ParaView's Qt application, which none of our libraries here links.
+bool hasQtApplication()
+{
+#ifdef _WIN32
+  return GetModuleHandleA("pqCore.dll") != nullptr;
+#else
+  // pqApplicationCore::instance()
+  void* instance = dlsym(RTLD_DEFAULT, "_ZN17pqApplicationCore8instanceEv");
+  using Instance = void* (*)();
+  return instance && reinterpret_cast<Instance>(instance)() != nullptr;
+#endif
+}
+
+} // namespace
 
 void loadDisplayDefaults()
 {
@@ -22,12 +53,30 @@ void loadDisplayDefaults()
   {
     return;
   }
-  const std::string folder = vtksys::SystemTools::GetFilenamePath(vtkGetLibraryPathForSymbol(bsvDisplaysLibrary));
-  const std::string settings = folder + "/BSplineVolumeSettings.json";
+  const std::string settings = libraryFolder() + "/BSplineVolumeSettings.json";
   if (vtksys::SystemTools::FileExists(settings))
   {
     // Those of the site have priority 1, those of the user 2.
     vtkSMSettings::GetInstance()->AddCollectionFromFile(settings, 0.5);
+  }
+}
+
+void loadQtPart()
+{
+  if (vtkProcessModule::GetProcessType() != vtkProcessModule::PROCESS_CLIENT || !hasQtApplication())
+  {
+    return;
+  }
+#ifdef _WIN32
+  const char* extension = ".dll";
+#else
+  const char* extension = ".so";
+#endif
+  const std::string library = libraryFolder() + "/BSplineVolumeQt/BSplineVolumeQt" + extension;
+  if (vtksys::SystemTools::FileExists(library))
+  {
+    vtkNew<vtkPVPluginLoader> loader;
+    loader->LoadPlugin(library.c_str());
   }
 }
 

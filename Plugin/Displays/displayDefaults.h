@@ -17,6 +17,12 @@ namespace bsv
  */
 BSPLINEVOLUMEDISPLAYS_EXPORT void loadDisplayDefaults();
 
+/**
+ * In ParaView's window, loads the plugin BSplineVolumeQt from the folder BSplineVolumeQt beside this library. Servers
+ * and Python have no such window and load nothing of Qt; without the file ParaView's own widgets are used.
+ */
+BSPLINEVOLUMEDISPLAYS_EXPORT void loadQtPart();
+
 } // namespace bsv
 
 #endif

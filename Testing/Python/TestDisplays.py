@@ -136,13 +136,26 @@ def test_samples():
 
 def test_smoothness():
     smoothness = simple.BSplineVolumeSmoothness(Input=VOLUME)
-    interfaces = shown(smoothness)
-    assert interfaces.Representation == "Surface" and array_of(interfaces) == ("POINTS", "LayerJump")
-    assert legend_is_shown(interfaces)
-    # The skins of the blocks would hide the interfaces.
-    assert shown(smoothness, 1) is None
-    curves = shown(smoothness, 3)
-    assert array_of(curves) == ("POINTS", "NormalJump") and legend_is_shown(curves)
+    # One picture, one legend, and the verdict.
+    assert all(shown(smoothness, port) is None for port in (0, 1, 2, 3))
+    lines = shown(smoothness, 4)
+    assert array_of(lines) == ("CELLS", "Layer jump (degrees)") and legend_is_shown(lines)
+    assert shown(smoothness, 5) is not None
+    interfaces = simple.Show(smoothness, VIEW)
+    interfaces.Representation = "Surface"
+    assert array_of(interfaces) == ("POINTS", "Layer jump (degrees)")
+    assert legend_is_shown(interfaces) and interfaces.LookupTable.UseLogScale == 1
+    curves = simple.Show(simple.OutputPort(smoothness, 3), VIEW)
+    assert array_of(curves) == ("POINTS", "NormalJump")
+    # The list says of every join what it is, defects first.
+    simple.ColorBy(lines, ("CELLS", "JoinClass"))
+    assert lines.LookupTable.InterpretValuesAsCategories == 1
+    data = client(smoothness).GetOutputDataObject(4)
+    classes = data.GetCellData().GetArray("JoinClass")
+    order = [classes.GetValue(n) for n in range(data.GetNumberOfCells())]
+    assert order == sorted(order) and len(order) == client(smoothness).GetOutputDataObject(2).GetNumberOfRows()
+    smoothness.UpdatePropertyInformation()
+    assert len(smoothness.GetProperty("JoinList")) == len(order)
     # Those who show the blocks see their worst joins.
     skins = simple.Show(simple.OutputPort(smoothness, 1), VIEW)
     assert array_of(skins) == ("CELLS", "LayerJump")
@@ -150,7 +163,13 @@ def test_smoothness():
 
 def test_quality():
     quality = simple.BSplineVolumeQuality(Input=VOLUME)
-    display = shown(quality)
+    # Only what was found is shown, before the body.
+    assert shown(quality) is None
+    assert shown(quality, 2).Representation == "Surface With Edges" and shown(quality, 3) is not None
+    assert client(quality).GetOutputDataObject(2).GetNumberOfCells() == 0
+    assert "spans are valid" in client(quality).GetOutputDataObject(3).GetColumnByName("Text").GetValue(0)
+    display = simple.Show(quality, VIEW)
+    display.Representation = "Surface With Edges"
     assert display.Representation == "Surface With Edges" and array_of(display) == ("CELLS", "Validity")
     table = display.LookupTable
     assert table.InterpretValuesAsCategories == 1
@@ -163,7 +182,7 @@ def test_quality():
 
 def test_bezier_cells():
     display = shown(simple.BSplineVolumeToBezierCells(Input=VOLUME))
-    assert display.Representation == "Surface" and display.NonlinearSubdivisionLevel == 3
+    assert display.Representation == "Surface" and display.NonlinearSubdivisionLevel == 2
     # Other grids keep ParaView's default.
     assert simple.Show(simple.UnstructuredCellTypes(), VIEW).NonlinearSubdivisionLevel == 1
 
@@ -177,7 +196,8 @@ def test_deviation():
     mesh_file, body_file = make_body_case.write_case(FOLDER.name, 4)
     body = simple.NURBSSurfaceReader(FileName=body_file)
     volume = simple.CatmullClarkToBSplineVolume(Input=simple.HexBlockMeshReader(FileName=mesh_file), Body=body)
-    deviation = simple.BodyDeviation(Input=volume, Body=body)
+    # The body is that of the conversion.
+    deviation = simple.BodyDeviation(Input=volume)
     display = shown(deviation)
     assert display.Representation == "Surface" and array_of(display) == ("POINTS", "Distance")
     assert legend_is_shown(display)
@@ -211,7 +231,7 @@ def test_colour_presets():
     file = os.path.join(PLUGIN, "BSplineVolumePresets.json")
     with open(file) as text:
         described = json.load(text)
-    assert len(described) == 3
+    assert len(described) == 6
     known = servermanager.vtkSMTransferFunctionPresets.GetInstance()
     forget(described)
     simple.ImportPresets(file)

@@ -2,7 +2,9 @@
 """The plugin loads and the whole chain runs: in pvpython, and in pvbatch on any number of MPI ranks (run with --sym),
 which share the blocks out.
 """
+import glob
 import os
+import subprocess
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -45,6 +47,19 @@ def test_chain():
         for block, read in zip(blocks(net), blocks(copy)):
             assert not block or bytes(memoryview(coordinates(block))) == bytes(memoryview(coordinates(read)))
         assert field(copy, "BoundaryNames") == field(net, "BoundaryNames")
+
+
+def test_nothing_of_qt():
+    """Servers and Python load the plugin without its part for ParaView's window, and no library of Qt."""
+    libraries = glob.glob(os.path.join(os.path.dirname(os.environ["BSV_PLUGIN"]), "*.so"))
+    assert len(libraries) >= 5
+    for library in libraries:
+        linked = subprocess.run(["ldd", library], capture_output=True, text=True, check=True).stdout
+        assert "libc.so" in linked and "libQt" not in linked, library
+    with open("/proc/self/maps") as maps:
+        loaded = {line.split("/")[-1].strip() for line in maps}
+    assert any(name.startswith("libBSplineVolumeDisplays") for name in loaded)
+    assert not [name for name in loaded if name.startswith(("libQt", "BSplineVolumeQt"))]
 
 
 def size(grid):

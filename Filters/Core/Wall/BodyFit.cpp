@@ -55,14 +55,25 @@ WallDistances wallDistances(
     std::ostringstream text;
     text << "the body is far from the wall, up to " << result.inputPoints << ": the wall lies in " << boxText(box)
          << ", the body in " << boxText(body.bounds());
+    const auto liesOn = [&](double factor) {
+      const Index step = 1 + static_cast<Index>(points.size()) / 100;
+      for (Index i = 0; i < static_cast<Index>(points.size()); i += step)
+      {
+        if (!(body.closestPoint(factor * points[i]).distance <= 0.05 * factor * size))
+        {
+          return false;
+        }
+      }
+      return true;
+    };
     // Units that CAD files and meshes come in, as powers of their ratio.
     const double ratio = body.size() / size;
     for (const double unit : { 1000.0, 100.0, 10.0, 25.4, 2.54, 12.0, 39.37, 3.2808 })
     {
       for (const double factor : { unit, 1.0 / unit })
       {
-        // A mesh of half a body, or of a part of it, is smaller than the body.
-        if (ratio > 0.7 * factor && ratio < 3.0 * factor)
+        // A mesh of half a body, or of a part of it, is smaller than the body. In the right unit its wall lies on it.
+        if (ratio > 0.7 * factor && ratio < 3.0 * factor && liesOn(factor))
         {
           text << "; the body is about " << factor << " times as large: is its unit another one?";
           throw Error(text.str());

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Quality/JoinClass.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace bsv
+{
+
+const char* joinClassName(JoinClass of)
+{
+  static const char* const names[JoinClasses] = { "defect", "expected", "deliberate", "smooth" };
+  return names[static_cast<int>(of)];
+}
+
+ClassifiedJoin classifyJoin(const Join& join)
+{
+  if (join.crease)
+  {
+    return { JoinClass::Expected, "crease" };
+  }
+  if (join.continuity == Continuity::Open)
+  {
+    return { JoinClass::Defect, "gap" };
+  }
+  if (join.continuity >= Continuity::C1)
+  {
+    return { JoinClass::Smooth, continuityName(join.continuity) };
+  }
+  const auto& valences = join.valences;
+  const auto isExtraordinary = [](int valence) { return valence > 0 && valence != 4; };
+  const bool alongT = isExtraordinary(valences[0]) || isExtraordinary(valences[1]);
+  const bool alongS = isExtraordinary(valences[2]) || isExtraordinary(valences[3]);
+  if (join.continuity == Continuity::G1)
+  {
+    return { JoinClass::Deliberate, !join.border() && (alongS || alongT) ? "extraordinary edge" : "change of spacing" };
+  }
+  if (join.atCrease)
+  {
+    return { JoinClass::Expected, "at a crease" };
+  }
+  if (!join.border() && std::any_of(valences.begin(), valences.end(), [](int valence) { return valence <= -3; }))
+  {
+    return { JoinClass::Expected, "at a reentrant edge" };
+  }
+  if (!join.border() && alongS && alongT)
+  {
+    return { JoinClass::Expected, "at a singular node" };
+  }
+  return { JoinClass::Defect, "kink" };
+}
+
+std::vector<int> rankedByClass(const SmoothnessResult& result)
+{
+  std::vector<int> order = result.ranking;
+  std::stable_sort(order.begin(), order.end(),
+    [&](int a, int b) { return classifyJoin(result.joins[a]).of < classifyJoin(result.joins[b]).of; });
+  return order;
+}
+
+} // namespace bsv

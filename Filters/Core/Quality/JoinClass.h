@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file JoinClass.h
+/// Which joins of a volume are as smooth as they should be, which are rough for a reason, and which are defects.
+///
+/// - Smooth: C1 or C2.
+/// - Deliberate: G1, as the rules make it at extraordinary edges and where the spacing of layers changes.
+/// - Expected: C0, but something at the join is bound to kink: it is a crease or ends at one, at a reentrant edge of
+/// the
+///   outer boundary (three or more blocks meet there), or at a singular node (extraordinary edges of both directions
+///   end at a corner of the interface).
+/// - Defect: the sides have a gap, or layers kink without such a reason.
+#pragma once
+
+#include "Quality/Smoothness.h"
+
+#include <string>
+#include <vector>
+
+namespace bsv
+{
+
+/// In the order in which joins are listed.
+enum class JoinClass
+{
+  Defect,
+  Expected,
+  Deliberate,
+  Smooth
+};
+constexpr int JoinClasses = 4;
+
+/// "defect", "expected", "deliberate", "smooth".
+const char* joinClassName(JoinClass of);
+
+struct ClassifiedJoin
+{
+  JoinClass of = JoinClass::Smooth;
+  /// Why, in a few words: "crease", "at a reentrant edge", "kink", ..
+  std::string reason;
+};
+
+ClassifiedJoin classifyJoin(const Join& join);
+
+/// Joins in the order of a list: by class, within a class as in `result.ranking`, creases last within theirs.
+std::vector<int> rankedByClass(const SmoothnessResult& result);
+
+} // namespace bsv

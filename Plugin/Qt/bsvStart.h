@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * When the plugin is loaded, makes room for its panels: the docks of the properties get at least 400 pixels.
+ */
+#ifndef bsvStart_h
+#define bsvStart_h
+
+#include <QObject>
+
+class bsvStart : public QObject
+{
+  Q_OBJECT
+
+public:
+  explicit bsvStart(QObject* parent = nullptr);
+
+  void onStartup();
+  void onShutdown() {}
+};
+
+#endif

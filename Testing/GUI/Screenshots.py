@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of ParaView's window, 1600 x 1000, after one Apply of each source and filter with default properties.
+
+    pvpython Testing/GUI/Screenshots.py paraview build/lib/BSplineVolume docs/gui [--data folder] [name ...]
+
+Needs Xvfb, whose picture of the screen it reads. Pictures of real meshes are made only with --data, the folder that has
+them. Look at every picture: the question is what one sees in three seconds.
+"""
+import argparse
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+from paraview import servermanager
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOImage import vtkPNGWriter
+import numpy as np
+
+MENU = "pqClientMainWindow/menubar"
+APPLY = ("pqClientMainWindow/propertiesDock/propertiesPanel/Accept", "activate", "")
+BROWSER = "pqClientMainWindow/pipelineBrowserDock/pipelineBrowser"
+SETTINGS = """[General]
+GeneralSettings.ShowWelcomeDialog=false
+
+[MainWindow]
+Size=@Size(1600 1000)
+Position=@Point(0 0)
+"""
+
+
+def menu(name, *path):
+    """Clicks in a menu of the menu bar."""
+    events = [(MENU, "activate", name)]
+    place = MENU + "/" + name
+    for entry in path:
+        events.append((place, "activate", entry))
+        place += "/" + entry
+    return events
+
+
+def source(name):
+    return menu("menuSources", "BSplineVolume", name) + [APPLY]
+
+
+def chosen_filter(name):
+    return menu("menuFilters", "BSplineVolume", name)
+
+
+def filtered(name):
+    return chosen_filter(name) + [APPLY]
+
+
+def opened(path, readers=1):
+    """Opens a file and applies. @param readers how many readers ask to be chosen; ours comes first"""
+    events = menu("menu_File", "actionFileOpen") + [("pqClientMainWindow/FileOpenDialog", "filesSelected", path)]
+    if readers > 1:
+        events += [("pqClientMainWindow/pqSelectReaderDialog/listWidget", "setCurrent", "0.0"),
+                   ("pqClientMainWindow/pqSelectReaderDialog/okButton", "activate", "")]
+    return events + [APPLY]
+
+
+def selected(place):
+    return [(BROWSER, "currentChanged", place)]
+
+
+def body_chosen(name):
+    """The drop-down of the body in the panel."""
+    panel = "pqClientMainWindow/propertiesDock/propertiesPanel/"
+    return [(panel + "scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/ProxyPanel/Body/1QComboBox0",
+             "set_string", name)]
+
+
+WING = source("WingFuselageSource")
+CONVERTED = WING + filtered("CatmullClarkToBSplineVolume")
+SHOTS = {
+    "wing_mesh": WING,
+    "wing_volume": CONVERTED,
+    "wing_topology": WING + filtered("HexBlockTopology"),
+    "wing_spacing": WING + filtered("WallSpacing"),
+    "quality": CONVERTED + filtered("BSplineVolumeQuality"),
+    "smoothness": CONVERTED + filtered("BSplineVolumeSmoothness"),
+    "sampler": CONVERTED + filtered("BSplineVolumeSampler"),
+    "bezier": CONVERTED + filtered("BSplineVolumeToBezierCells"),
+    "wing_body": WING + chosen_filter("CatmullClarkToBSplineVolume") + body_chosen("WingFuselageSource1:Body") + [APPLY],
+    "deviation": WING + chosen_filter("CatmullClarkToBSplineVolume") + body_chosen("WingFuselageSource1:Body") +
+    [APPLY] + filtered("BodyDeviation"),
+}
+
+
+def real_shots(data):
+    near_tip = opened(os.path.join(data, "structured/near_tip_vol.xyz"), 2)
+    body = opened(os.path.join(data, "surfaces/onera_m6_machaero.igs"))
+    return {
+        "near_tip": near_tip,
+        "near_tip_body": near_tip + body + selected("/0/0|0") + chosen_filter("CatmullClarkToBSplineVolume") +
+        body_chosen("onera_m6_machaero.igs") + [APPLY],
+        "717": opened(os.path.join(data, "structured/717_wl_L2.cgns"), 2),
+        "t_joint": opened(os.path.join(data, "structured/t_joint.xyz"), 2),
+    }
+
+
+def write_events(path, events, mark):
+    """The recording; the file `mark`, a saved state, tells that it is over."""
+    events = events + menu("menu_File", "actionFileSaveServerState") + [
+        ("pqClientMainWindow/FileSaveServerStateDialog", "filesSelected", mark)]
+    with open(path, "w") as file:
+        file.write('<?xml version="1.0" ?>\n<pqevents>\n')
+        for name, command, arguments in events:
+            file.write('  <pqevent object="%s" command="%s" arguments="%s" />\n' % (name, command, arguments))
+        file.write("</pqevents>\n")
+
+
+def screen(framebuffer):
+    """Rows of the picture that Xvfb keeps as an XWD file, the lowest first, RGB."""
+    with open(framebuffer, "rb") as file:
+        raw = file.read()
+    header = struct.unpack(">25I", raw[:100])
+    width, height, line, colors = header[4], header[5], header[12], header[19]
+    pixels = np.frombuffer(raw, np.uint8, count=line * height, offset=header[0] + 12 * colors)
+    return np.ascontiguousarray(pixels.reshape(height, line // 4, 4)[::-1, :width, 2::-1])
+
+
+def write_png(path, pixels):
+    image = vtkImageData()
+    image.SetDimensions(pixels.shape[1], pixels.shape[0], 1)
+    image.GetPointData().SetScalars(numpy_to_vtk(pixels.reshape(-1, 3), deep=1))
+    writer = vtkPNGWriter()
+    writer.SetFileName(path)
+    writer.SetInputData(image)
+    writer.Write()
+
+
+def shoot(paraview, plugin, name, events, folder, display, framebuffer, patience=240):
+    home = os.path.join(folder, name)
+    os.makedirs(os.path.join(home, ".config", "ParaView"))
+    manager = servermanager.vtkSMProxyManager
+    number = "%d.%d.%d" % (manager.GetVersionMajor(), manager.GetVersionMinor(), manager.GetVersionPatch())
+    with open(os.path.join(home, ".config", "ParaView", "ParaView%s.ini" % number), "w") as file:
+        file.write(SETTINGS)
+    mark = os.path.join(home, "done.pvsm")
+    script = os.path.join(home, "events.xml")
+    write_events(script, events, mark)
+    process = subprocess.Popen(
+        [paraview, "--plugin-search-paths=" + plugin, "--plugins=BSplineVolume", "--test-directory=" + home,
+         "--test-script=" + script], env=dict(os.environ, HOME=home, XDG_RUNTIME_DIR=home, DISPLAY=display),
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    start = time.time()
+    while not os.path.exists(mark) and process.poll() is None and time.time() - start < patience:
+        time.sleep(0.5)
+    time.sleep(3)  # the window is drawn once more
+    pixels = screen(framebuffer)
+    process.kill()
+    process.wait()
+    return pixels if os.path.exists(mark) else None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("paraview")
+    parser.add_argument("plugin")
+    parser.add_argument("output")
+    parser.add_argument("--data", help="folder with real meshes")
+    parser.add_argument("names", nargs="*", help="only these pictures")
+    arguments = parser.parse_args()
+    shots = dict(SHOTS, **(real_shots(arguments.data) if arguments.data else {}))
+    os.makedirs(arguments.output, exist_ok=True)
+    folder = tempfile.mkdtemp()
+    display = ":%d" % (200 + os.getpid() % 500)
+    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "1600x1000x24", "-noreset", "-fbdir", folder],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    failed = []
+    try:
+        time.sleep(2)
+        for name in arguments.names or shots:
+            pixels = shoot(shutil.which(arguments.paraview) or arguments.paraview, os.path.abspath(arguments.plugin),
+                           name, shots[name], folder, display, os.path.join(folder, "Xvfb_screen0"))
+            if pixels is None:
+                failed.append(name)
+                continue
+            write_png(os.path.join(arguments.output, name + ".png"), pixels)
+            print("Picture written: %s.png" % name, flush=True)
+    finally:
+        server.terminate()
+        server.wait()
+        shutil.rmtree(folder, ignore_errors=True)
+    if failed:
+        sys.exit("No picture of " + ", ".join(failed))
+
+
+if __name__ == "__main__":
+    main()
