@@ -84,6 +84,48 @@ def test_same_files():
             total(0)
 
 
+def volume_and_samples(data):
+    """Control points and refined samples of a mesh, as leaves."""
+    conversion = bsplinevolume.vtkCatmullClarkToBSplineVolume()
+    conversion.SetInputDataObject(data)
+    sampler = bsplinevolume.vtkBSplineVolumeSampler()
+    sampler.SetInputConnection(conversion.GetOutputPort())
+    sampler.SetLevel(0)
+    sampler.SetFirstCellHeight(0.003)
+    sampler.SetChordError(0.01)
+    sampler.Update()
+    return conversion.GetOutputDataObject(0), sampler.GetOutputDataObject(0), sampler.GetReport()
+
+
+def test_refinement_and_volumes():
+    """Levels chosen by targets, and text files of volumes, do not depend on who has which block."""
+    all_blocks = mesh()
+    mine, own, report = volume_and_samples(share(all_blocks))
+    with Alone():
+        whole, expected, alone = volume_and_samples(all_blocks)
+    assert report == alone and "levels" in report
+    for b, block in enumerate(blocks(expected)):
+        if b % RANKS == RANK:
+            assert bytes(memoryview(coordinates(own.GetPartition(b, 0)))) == bytes(memoryview(coordinates(block)))
+    with shared_folder() as path:
+        for extension in ("mesh", "xml", "g2", "msh"):
+            names_ = [os.path.join(path, how + "." + extension) for how in ("together", "alone")]
+            for name, data in zip(names_, (mine, whole)):
+                writer = bsplinevolume.vtkBSplineVolumeWriter()
+                writer.SetInputDataObject(data)
+                writer.SetFileName(name)
+                if data is mine:
+                    assert writer.Write() == 1
+                    total(0)
+                elif RANK == 0:
+                    with Alone():
+                        assert writer.Write() == 1
+            if RANK == 0:
+                with open(names_[0], "rb") as one, open(names_[1], "rb") as other:
+                    assert one.read() == other.read(), extension
+            total(0)
+
+
 def test_one_error():
     """A folder that is missing is the error of all, raised by the first rank."""
     writer = bsplinevolume.vtkHexBlockMeshWriter()
