@@ -44,11 +44,22 @@ if (BSPLINEVOLUME_WRAP_PYTHON)
     MODULE_DESTINATION "${bsv_plugin_dir}"
     LIBRARY_DESTINATION "${bsv_plugin_dir}")
   set(init "# SPDX-License-Identifier: BSD-3-Clause\n")
+  string(APPEND init "\"\"\"B-spline volumes from block-structured hexahedral meshes.\"\"\"\n")
   foreach (module IN LISTS bsv_wrapped_modules)
     string(REPLACE "BSplineVolume::" "" name "${module}")
     string(APPEND init "from .${name} import *\n")
   endforeach ()
+  string(APPEND init
+    "from .pipeline import Error\n"
+    "from .volume import Block, Volume, convert, read\n\n"
+    "__version__ = \"${PROJECT_VERSION}\"\n")
   file(GENERATE OUTPUT "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/__init__.py" CONTENT "${init}")
+  set(bsv_python_files __main__.py pipeline.py volume.py)
+  foreach (file IN LISTS bsv_python_files)
+    configure_file("${PROJECT_SOURCE_DIR}/Filters/Python/${file}"
+      "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/${file}" COPYONLY)
+    install(FILES "${PROJECT_SOURCE_DIR}/Filters/Python/${file}" DESTINATION "${bsv_plugin_dir}/bsplinevolume")
+  endforeach ()
   install(FILES "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/__init__.py"
     DESTINATION "${bsv_plugin_dir}/bsplinevolume")
 endif ()

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The command: python3 -m bsplinevolume convert|check|levels|formats ..."""
+import argparse
+import sys
+
+import bsplinevolume as bsv
+from bsplinevolume import pipeline
+
+
+def progress_bar(fraction):
+    if sys.stderr.isatty():
+        sys.stderr.write("\r[" + "#" * int(40 * fraction) + "." * (40 - int(40 * fraction)) + "]")
+        sys.stderr.flush()
+        if fraction >= 1.0:
+            sys.stderr.write("\n")
+
+
+def conversion_arguments(parser):
+    parser.add_argument("mesh", help="PLOT3D or CGNS file")
+    parser.add_argument("--body-file", help="IGES, STEP, BREP or .g2 file of the body")
+    parser.add_argument("--body", help="names of the boundaries that form the body, with * and ?, separated by commas")
+    parser.add_argument("--body-faces", help="block and face numbers of the body, for meshes without names: 0,4,1,4")
+    parser.add_argument("--crease-angle", type=float, help="surface edges that turn by more are creases; degrees")
+
+
+def converted(arguments):
+    properties = {}
+    if arguments.body:
+        properties["BodyBoundaries"] = arguments.body.split(",")
+    if arguments.body_faces:
+        numbers = [int(n) for n in arguments.body_faces.split(",")]
+        if len(numbers) % 2:
+            raise bsv.Error("--body-faces takes pairs of block and face")
+        properties["BodyFaces"] = list(zip(numbers[::2], numbers[1::2]))
+    if arguments.crease_angle is not None:
+        properties.update(UseCreaseAngle=True, CreaseAngle=arguments.crease_angle)
+    volume = bsv.convert(arguments.mesh, body=arguments.body_file, progress=progress_bar, **properties)
+    for warning in volume.warnings:
+        print("warning:", warning, file=sys.stderr)
+    return volume
+
+
+def convert(arguments):
+    volume = converted(arguments)
+    print(volume.report)
+    for path in arguments.output:
+        volume.write(path, level=arguments.level)
+        print("written:", path)
+    return 0
+
+
+def check(arguments):
+    """Exit status 0: all spans proven valid; 1: some are invalid; 2: some are undecided."""
+    is_mesh = bsv.vtkHexBlockMeshReader.CanReadFile(arguments.mesh)
+    volume = converted(arguments) if is_mesh else bsv.read(arguments.mesh)
+    quality = volume.quality()
+    print(quality["report"])
+    return 1 if quality["invalid"] else 2 if quality["undecided"] else 0
+
+
+def levels(arguments):
+    volume = converted(arguments)
+    for level in range(arguments.levels + 1):
+        name, dot, ending = arguments.output.rpartition(".")
+        path = f"{name}_L{level}{dot}{ending}"
+        cells = sum((s.shape[0] - 1) * (s.shape[1] - 1) * (s.shape[2] - 1) for s in volume.sample(level))
+        volume.write(path, level=level)
+        print(f"level {level}: {cells} cells, {path}")
+    return 0
+
+
+def formats(_arguments):
+    for ending, (writer, exact) in sorted(pipeline.WRITERS.items()):
+        print(f"{ending:7s} {'exact volume' if exact else 'sampled mesh'}, {writer[3:]}")
+    return 0
+
+
+def main(words=None):
+    parser = argparse.ArgumentParser(prog="bsplinevolume", description=bsv.__doc__)
+    parser.add_argument("--version", action="version", version=bsv.__version__)
+    commands = parser.add_subparsers(required=True)
+    one = commands.add_parser("convert", help="convert a mesh, print the report, write files")
+    conversion_arguments(one)
+    one.add_argument("--output", action="append", default=[], help="file to write, by its ending; may be repeated")
+    one.add_argument("--level", type=int, default=1, help="level of sampled meshes (1)")
+    one.set_defaults(run=convert)
+    one = commands.add_parser("check", help="validity of all spans; status 0 valid, 1 invalid, 2 undecided, 3 error",
+                              description=check.__doc__)
+    conversion_arguments(one)
+    one.set_defaults(run=check)
+    one = commands.add_parser("levels", help="a nested family of meshes")
+    conversion_arguments(one)
+    one.add_argument("output", help="file; its name gets _L0, _L1, ...")
+    one.add_argument("--levels", type=int, default=2, help="the finest level (2)")
+    one.set_defaults(run=levels)
+    one = commands.add_parser("formats", help="the endings of files that can be written")
+    one.set_defaults(run=formats)
+    arguments = parser.parse_args(words)
+    try:
+        return arguments.run(arguments)
+    except bsv.Error as error:
+        print("error:", error, file=sys.stderr)
+        return 3
+
+
+if __name__ == "__main__":
+    sys.exit(main())

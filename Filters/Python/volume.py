@@ -1,0 +1,335 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""B-spline volumes for Python: control points, knots and rules as numpy views, evaluation and its inverse."""
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
+from vtkmodules.vtkCommonDataModel import VTK_VOXEL, vtkStaticCellLocator, vtkUnstructuredGrid
+
+from . import pipeline
+
+
+def _basis(knots, degree, u, derivatives):
+    """Non-zero basis functions at u, and their derivatives: first index (n,), values (derivatives + 1, n, degree + 1).
+
+    The recurrence (2.5) and, for derivatives, (2.7) of L. Piegl and W. Tiller, The NURBS Book, 2nd ed., 1997.
+    """
+    last = len(knots) - degree - 2
+    span = np.clip(np.searchsorted(knots, u, side="right") - 1, degree, last)
+    # At the end of the range the last span that is not empty.
+    while True:
+        empty = (knots[span + 1] <= knots[span]) & (span > degree)
+        if not empty.any():
+            break
+        span = span - empty
+    tables = [np.ones((len(u), 1))]
+    for p in range(1, degree + 1):
+        lower = np.zeros((len(u), p + 1))
+        for j in range(p):
+            left = knots[span - p + 1 + j]
+            right = knots[span + 1 + j]
+            width = right - left
+            part = tables[-1][:, j] / np.where(width > 0, width, 1)
+            lower[:, j] += np.where(width > 0, (right - u) * part, 0)
+            lower[:, j + 1] += np.where(width > 0, (u - left) * part, 0)
+        tables.append(lower)
+    result = [tables[degree]]
+    for order in range(1, derivatives + 1):
+        if order > degree:
+            result.append(np.zeros((len(u), degree + 1)))
+            continue
+        values = tables[degree - order]
+        for p in range(degree - order + 1, degree + 1):
+            raised = np.zeros((len(u), p + 1))
+            for j in range(p):
+                width = knots[span + 1 + j] - knots[span - p + 1 + j]
+                part = p * values[:, j] / np.where(width > 0, width, 1) * (width > 0)
+                raised[:, j] -= part
+                raised[:, j + 1] += part
+            values = raised
+        result.append(values)
+    return span - degree, np.stack(result)
+
+
+class Block:
+    """One B-spline volume.
+
+    name            of the block
+    degree          three ints
+    knots           three arrays
+    points          control points (nw, nv, nu, 3), a view of VTK's memory
+    weights         (nw, nv, nu), or None if polynomial
+    rules           how each control point was made (nw, nv, nu), or None
+    """
+
+    def __init__(self, name, grid):
+        self.name = name
+        self.grid = grid
+        shape = tuple(reversed(grid.GetDimensions()))
+        fields, points = grid.GetFieldData(), grid.GetPointData()
+        self.degree = tuple(int(p) for p in vtk_to_numpy(fields.GetArray("Degree")).ravel())
+        self.knots = tuple(vtk_to_numpy(fields.GetArray("Knots" + d)).ravel() for d in "UVW")
+        self.points = vtk_to_numpy(grid.GetPoints().GetData()).reshape(shape + (3,))
+        weights, rules = points.GetArray("Weights"), points.GetArray("ControlPointRule")
+        self.weights = None if weights is None else vtk_to_numpy(weights).reshape(shape)
+        self.rules = None if rules is None else vtk_to_numpy(rules).reshape(shape)
+
+    @property
+    def range(self):
+        """The parameters: (3, 2)."""
+        return np.array([[k[p], k[-p - 1]] for k, p in zip(self.knots, self.degree)])
+
+    def evaluate(self, u, v, w, derivatives=0, chunk=20000):
+        """Points at parameters, arrays of one shape S: (S, 3).
+
+        With derivatives=1 also the first partial derivatives (S, 3, 3), the second-to-last axis being u, v, w.
+        @throws ValueError for parameters outside the block's range, or other derivatives than 0 and 1
+        """
+        if derivatives not in (0, 1):
+            raise ValueError("derivatives is 0 or 1")
+        uvw = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (u, v, w)))
+        shape = uvw[0].shape
+        uvw = np.stack([x.ravel() for x in uvw])
+        low, high = self.range.T
+        if not ((uvw >= low[:, None]) & (uvw <= high[:, None])).all():
+            raise ValueError(f"parameters of block {self.name} lie in {self.range.tolist()}")
+        parts = [self._evaluate(uvw[:, n:n + chunk], derivatives) for n in range(0, uvw.shape[1], chunk)]
+        points = np.concatenate([part[0] for part in parts] or [np.zeros((0, 3))]).reshape(shape + (3,))
+        if derivatives == 0:
+            return points
+        return points, np.concatenate([part[1] for part in parts] or [np.zeros((0, 3, 3))]).reshape(shape + (3, 3))
+
+    def _evaluate(self, uvw, derivatives):
+        first, values = zip(*(_basis(k, p, x, derivatives) for k, p, x in zip(self.knots, self.degree, uvw)))
+        k, j, i = (first[d][:, None] + np.arange(self.degree[d] + 1) for d in (2, 1, 0))
+        index = k[:, :, None, None], j[:, None, :, None], i[:, None, None, :]
+        net = self.points[index]
+        if self.weights is not None:
+            weight = self.weights[index][..., None]
+            net = np.concatenate([net * weight, weight], axis=-1)
+
+        # One direction after the other; along each the values, and the slopes where they are asked for.
+        rows = [np.einsum("na,ncbad->ncbd", values[0][order], net) for order in range(derivatives + 1)]
+        layers = [np.einsum("nb,ncbd->ncd", values[1][order], rows[0]) for order in range(derivatives + 1)]
+        value = np.einsum("nc,ncd->nd", values[2][0], layers[0])
+        slopes = []
+        if derivatives:
+            across = np.einsum("nb,ncbd->ncd", values[1][0], rows[1])
+            slopes = [np.einsum("nc,ncd->nd", values[2][0], across), np.einsum("nc,ncd->nd", values[2][0], layers[1]),
+                      np.einsum("nc,ncd->nd", values[2][1], layers[0])]
+        if self.weights is None:
+            return value, np.stack(slopes, axis=1) if slopes else None
+        points = value[:, :3] / value[:, 3:]
+        return points, np.stack([(s[:, :3] - s[:, 3:] * points) / value[:, 3:] for s in slopes], axis=1) if slopes else None
+
+    def spans(self):
+        """Spans that are not empty: parameters (n, 3, 2) and the boxes of their control points (n, 3, 2).
+
+        A span lies in its box, the control points' convex hull (weights are positive).
+        """
+        ranges = [[(s, k[s], k[s + 1]) for s in range(p, len(k) - p - 1) if k[s] < k[s + 1]]
+                  for k, p in zip(self.knots, self.degree)]
+        p = self.degree
+        # Windows of p + 1 control points per direction, reduced one direction after the other.
+        low = high = self.points
+        for axis, d in ((2, 0), (1, 1), (0, 2)):
+            take = [np.arange(s - p[d], s + 1) for s, _, _ in ranges[d]]
+            low = np.stack([np.take(low, t, axis=axis).min(axis=axis) for t in take], axis=axis)
+            high = np.stack([np.take(high, t, axis=axis).max(axis=axis) for t in take], axis=axis)
+        boxes = np.stack([low, high], axis=-1).reshape(-1, 3, 2)
+        grids = [np.array([r[1:] for r in direction]) for direction in ranges]
+        n = [len(g) for g in grids]
+        c, b, a = np.meshgrid(np.arange(n[2]), np.arange(n[1]), np.arange(n[0]), indexing="ij")
+        parameters = np.stack([grids[0][a.ravel()], grids[1][b.ravel()], grids[2][c.ravel()]], axis=1)
+        return parameters, boxes
+
+
+class Volume:
+    """A multi-block B-spline volume: what convert() and read() return."""
+
+    def __init__(self, data, report="", warnings=()):
+        """@param data the output of a reader or of the conversion: a vtkPartitionedDataSetCollection"""
+        self._data = data
+        self.report = report
+        self.warnings = list(warnings)
+        self._spans = None
+        self.blocks = []
+        for n in range(data.GetNumberOfPartitionedDataSets()):
+            meta = data.GetMetaData(n) if data.HasMetaData(n) else None
+            name = meta.Get(data.NAME()) if meta is not None and meta.Has(data.NAME()) else f"block {n}"
+            self.blocks.append(Block(name, data.GetPartition(n, 0)))
+
+    def to_vtk(self):
+        """The vtkPartitionedDataSetCollection; pyvista.wrap() takes it as well."""
+        return self._data
+
+    def evaluate(self, block, u, v, w, derivatives=0):
+        """Block.evaluate() of a block by number."""
+        return self.blocks[block].evaluate(u, v, w, derivatives)
+
+    def locate(self, points, tolerance=1e-12, iterations=12):
+        """Blocks and parameters of points (n, 3): ints (n,), and (n, 3); -1 and NaN for points outside the volume.
+
+        All spans whose control points' box holds a point are tried until one contains it, the one whose box is centred
+        nearest first; in each Newton's iteration starts from the middle. At shared faces one of the blocks is given.
+        @param tolerance distance at which a point is found, as a fraction of the volume's diagonal
+        """
+        points = np.atleast_2d(np.asarray(points, dtype=float))
+        if self._spans is None:
+            self._spans = self._span_locator()
+        locator, owner, parameters, boxes, diagonal = self._spans
+        reach = tolerance * diagonal
+        found = vtkIdList()
+        candidates = []
+        for x, y, z in points:
+            found.Reset()
+            if np.isfinite((x, y, z)).all():
+                locator.FindCellsWithinBounds((x - reach, x + reach, y - reach, y + reach, z - reach, z + reach), found)
+            ids = np.array([found.GetId(i) for i in range(found.GetNumberOfIds())], dtype=int)
+            box = boxes[ids]
+            size = np.maximum(box[:, :, 1] - box[:, :, 0], reach)
+            off = np.abs(2 * np.array([x, y, z]) - box.sum(axis=2)) / size
+            candidates.append(ids[np.lexsort((ids, off.max(axis=1)))])
+        result = np.full(len(points), -1)
+        uvw = np.full((len(points), 3), np.nan)
+        open_points = np.arange(len(points))
+        for turn in range(max(map(len, candidates), default=0)):
+            open_points = np.array([n for n in open_points if result[n] < 0 and turn < len(candidates[n])], dtype=int)
+            spans = np.array([candidates[n][turn] for n in open_points], dtype=int)
+            for b in np.unique(owner[spans]):
+                mine = open_points[owner[spans] == b]
+                good, at = self._newton(
+                    self.blocks[b], points[mine], parameters[spans[owner[spans] == b]], reach, iterations)
+                result[mine[good]] = b
+                uvw[mine[good]] = at[good]
+        return result, uvw
+
+    def _span_locator(self):
+        parameters, boxes, owner = [], [], []
+        for b, block in enumerate(self.blocks):
+            of_block, of_box = block.spans()
+            parameters.append(of_block)
+            boxes.append(of_box)
+            owner.append(np.full(len(of_block), b))
+        parameters, boxes, owner = (np.concatenate(x) for x in (parameters, boxes, owner))
+        diagonal = float(np.linalg.norm(boxes[:, :, 1].max(axis=0) - boxes[:, :, 0].min(axis=0)))
+        margin = 1e-12 * diagonal
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        bits = np.array([[(c >> d) & 1 for d in range(3)] for c in range(8)])
+        corners = np.where(bits[None], boxes[:, None, :, 1] + margin, boxes[:, None, :, 0] - margin).reshape(-1, 3)
+        held = vtkPoints()
+        held.SetData(numpy_to_vtk(np.ascontiguousarray(corners), deep=True))
+        grid = vtkUnstructuredGrid()
+        grid.SetPoints(held)
+        grid.Allocate(len(boxes))
+        for n in range(len(boxes)):
+            grid.InsertNextCell(VTK_VOXEL, 8, range(8 * n, 8 * n + 8))
+        locator = vtkStaticCellLocator()
+        locator.SetDataSet(grid)
+        locator.BuildLocator()
+        return locator, owner, parameters, boxes, diagonal
+
+    @staticmethod
+    def _newton(block, targets, spans, reach, iterations):
+        low, high = block.range.T
+        width = spans[:, :, 1] - spans[:, :, 0]
+        at = spans.mean(axis=2)
+        best = np.full(len(at), np.inf)
+        kept = at.copy()
+        active = np.arange(len(at))
+        for _ in range(iterations):
+            x, slopes = block.evaluate(*at[active].T, derivatives=1)
+            residual = targets[active] - x
+            distance = np.linalg.norm(residual, axis=1)
+            better = distance < best[active]
+            kept[active[better]] = at[active[better]]
+            best[active] = np.minimum(best[active], distance)
+            jacobian = np.swapaxes(slopes, 1, 2)
+            regular = np.abs(np.linalg.det(jacobian)) > 0
+            step = np.zeros_like(residual)
+            step[regular] = np.linalg.solve(jacobian[regular], residual[regular][..., None])[..., 0]
+            moved = np.clip(at[active] + np.clip(step, -width[active], width[active]), low, high)
+            change = np.abs(moved - at[active]).max(axis=1)
+            at[active] = moved
+            active = active[(change > 1e-15 * np.abs(high).max()) & regular]
+            if len(active) == 0:
+                break
+        return best <= reach, kept
+
+    def sample(self, level=1, **properties):
+        """Points of all blocks with every span cut into 2^level parts: a list of arrays (nw, nv, nu, 3)."""
+        data = self.sampled(level, **properties)
+        return [vtk_to_numpy(data.GetPartition(n, 0).GetPoints().GetData()).reshape(
+            tuple(reversed(data.GetPartition(n, 0).GetDimensions())) + (3,))
+            for n in range(data.GetNumberOfPartitionedDataSets())]
+
+    def sampled(self, level=1, **properties):
+        """The output of BSpline Volume Sampler, with contacts and boundaries."""
+        return self._filtered("vtkBSplineVolumeSampler", 0, Level=level, **properties)
+
+    def smoothness(self, **properties):
+        """The table of joins of BSpline Volume Smoothness, the worst first: a dictionary of columns."""
+        sampler = pipeline.filter_named("vtkBSplineVolumeSmoothness")
+        pipeline.set_properties(sampler, properties)
+        pipeline.connect(sampler.SetInputConnection, self._data)
+        pipeline.run(sampler)
+        for port in range(sampler.GetNumberOfOutputPorts()):
+            table = sampler.GetOutputDataObject(port)
+            if table.IsA("vtkTable") and table.GetNumberOfColumns() > 1:
+                columns = {}
+                for n in range(table.GetNumberOfColumns()):
+                    column = table.GetColumn(n)
+                    columns[column.GetName()] = (
+                        [column.GetValue(i) for i in range(column.GetNumberOfValues())] if column.IsA("vtkStringArray")
+                        else vtk_to_numpy(column))
+                return columns
+        raise pipeline.Error("the table of joins is missing")
+
+    def quality(self, **properties):
+        """Numbers of spans that are valid, invalid and undecided, smallest scaled Jacobian, and a report of one line."""
+        quality = pipeline.filter_named("vtkBSplineVolumeQuality")
+        pipeline.set_properties(quality, properties)
+        pipeline.connect(quality.SetInputConnection, self._data)
+        pipeline.run(quality)
+        counts = {"valid": quality.GetNumberOfValidSpans(), "invalid": quality.GetNumberOfInvalidSpans(),
+                  "undecided": quality.GetNumberOfUndecidedSpans()}
+        counts["minimum_scaled_jacobian"] = quality.GetMinimumScaledJacobian()
+        counts["report"] = (f"{counts['valid']} spans proven valid, {counts['invalid']} invalid, "
+                            f"{counts['undecided']} undecided; smallest scaled Jacobian "
+                            f"{counts['minimum_scaled_jacobian']:.3g}")
+        return counts
+
+    def write(self, path, level=1, **properties):
+        """Writes the volume (.qfmb .mesh .xml .g2 .msh .h5), or a mesh sampled at `level` (.cgns .xyz .x .p3d .foam)."""
+        self.warnings.extend(pipeline.write(path, self._data, lambda: self.sampled(level), properties))
+
+    def _filtered(self, name, port, **properties):
+        algorithm = pipeline.filter_named(name)
+        pipeline.set_properties(algorithm, properties)
+        pipeline.connect(algorithm.SetInputConnection, self._data)
+        pipeline.run(algorithm)
+        return algorithm.GetOutputDataObject(port)
+
+
+def convert(mesh, body=None, progress=None, **properties):
+    """Converts a block-structured hexahedral mesh to a Volume.
+
+    @param mesh path of a PLOT3D or CGNS file, a data object of VTK, or an algorithm that gives one
+    @param body path of an IGES, STEP, BREP or .g2 file, a data object, or an algorithm; None for no body
+    @param progress called with the fraction done; returns False to stop
+    @param properties of CatmullClark To BSpline Volume, for instance UseCreaseAngle=True, BodyBoundaries=["wing*"]
+    @throws bsplinevolume.Error with the message of the reader or filter
+    """
+    conversion = pipeline.filter_named("vtkCatmullClarkToBSplineVolume")
+    pipeline.set_properties(conversion, properties)
+    pipeline.connect(conversion.SetInputConnection, mesh, pipeline.MESH_READERS)
+    if body is not None:
+        pipeline.connect(conversion.SetBodyConnection, body, pipeline.BODY_READERS)
+    warnings = pipeline.run(conversion, progress)
+    return Volume(conversion.GetOutputDataObject(0), conversion.GetReport(), warnings)
+
+
+def read(path):
+    """Reads a Volume from .qfmb, GoTools .g2 or MFEM .mesh."""
+    reader = pipeline.source_of(path, pipeline.VOLUME_READERS)
+    warnings = pipeline.run(reader)
+    return Volume(reader.GetOutputDataObject(0), "", warnings)

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Python package without ParaView: conversion, evaluation and its inverse, files, errors, the command."""
+import contextlib
+import io
+import os
+import re
+import tempfile
+
+import bsplinevolume as bsv
+import numpy as np
+from bsplinevolume.__main__ import main as command
+
+RANDOM = np.random.default_rng(7)
+
+
+def wing(resolution=3):
+    source = bsv.vtkWingFuselageSource()
+    source.SetResolution(resolution)
+    return source
+
+
+def random_parameters(block, n):
+    low, high = block.range.T
+    return low + (high - low) * RANDOM.random((n, 3))
+
+
+def test_convert():
+    seen = []
+    volume = bsv.convert(wing(), progress=lambda fraction: seen.append(fraction))
+    assert len(volume.blocks) == 79 and volume.report and seen and seen == sorted(seen)
+    block = volume.blocks[0]
+    assert block.degree == (3, 3, 3) and block.points.shape[:3] == block.rules.shape
+    assert [len(k) for k in block.knots] == [n + 4 for n in reversed(block.rules.shape)]
+    # A view of VTK's memory.
+    block.points[0, 0, 0, 0] += 1.0
+    assert block.grid.GetPoint(0)[0] == block.points[0, 0, 0, 0]
+    assert re.fullmatch(r"\d+\.\d+\.\d+", bsv.__version__)
+
+
+def test_evaluate_agrees_with_the_sampler():
+    volume = bsv.convert(wing())
+    for block, samples in zip(volume.blocks[::13], volume.sample(1)[::13]):
+        axes = [np.linspace(*r, n) for r, n in zip(block.range, reversed(samples.shape[:3]))]
+        w, v, u = np.meshgrid(*reversed(axes), indexing="ij")
+        points = block.evaluate(u, v, w)
+        assert np.abs(points - samples).max() <= 1e-14 * np.abs(samples).max()
+
+
+def test_derivatives_are_limits_of_differences():
+    block = bsv.convert(wing()).blocks[5]
+    uvw = block.range.mean(axis=1) + 0.3
+    _, slopes = block.evaluate(*uvw, derivatives=1)
+    for d in range(3):
+        h = np.eye(3)[d] * 1e-5
+        difference = (block.evaluate(*(uvw + h)) - block.evaluate(*(uvw - h))) / 2e-5
+        assert np.linalg.norm(difference - slopes[d]) <= 1e-8 * np.linalg.norm(slopes[d])
+
+
+def test_locate_is_the_inverse():
+    volume = bsv.convert(wing())
+    count = 40
+    truth = [random_parameters(block, count) for block in volume.blocks]
+    points = np.concatenate([block.evaluate(*uvw.T) for block, uvw in zip(volume.blocks, truth)])
+    blocks, uvw = volume.locate(points)
+    assert (blocks == np.repeat(np.arange(len(volume.blocks)), count)).all()
+    assert np.abs(uvw - np.concatenate(truth)).max() <= 1e-9
+    again = np.stack([volume.evaluate(b, *x) for b, x in zip(blocks, uvw)])
+    assert np.abs(again - points).max() <= 1e-12 * np.abs(points).max()
+    # Inside the body and far away there is no volume.
+    outside, nothing = volume.locate([[1e3, 0, 0], [np.nan, 0, 0]])
+    assert (outside == -1).all() and np.isnan(nothing).all()
+
+
+def test_files_and_measures():
+    volume = bsv.convert(wing())
+    joins = volume.smoothness()
+    assert len({len(column) for column in joins.values()}) == 1
+    quality = volume.quality()
+    cells = sum(np.prod([len(np.unique(k)) - 1 for k in block.knots]) for block in volume.blocks)
+    assert quality["valid"] + quality["invalid"] + quality["undecided"] == cells
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "wing.qfmb")
+        volume.write(path)
+        again = bsv.read(path)
+        assert all((a.points == b.points).all() for a, b in zip(volume.blocks, again.blocks))
+        mesh = os.path.join(folder, "wing.xyz")
+        volume.write(mesh, level=0)
+        text = io.StringIO()
+        with contextlib.redirect_stdout(text):
+            status = command(["check", mesh])
+        assert status == 0 and "0 invalid" in text.getvalue()
+        with contextlib.redirect_stdout(text):
+            assert command(["convert", mesh, "--output", os.path.join(folder, "b.qfmb")]) == 0
+        assert os.path.exists(os.path.join(folder, "b.qfmb"))
+        with contextlib.redirect_stderr(text):
+            assert command(["check", os.path.join(folder, "missing.xyz")]) == 3
+        assert "missing.xyz does not exist" in text.getvalue()
+
+
+def test_errors():
+    for call, words in ((lambda: bsv.convert("missing.xyz"), "missing.xyz does not exist"),
+                        (lambda: bsv.convert(wing(), WallSpacing=2.0), "2"),
+                        (lambda: bsv.read(__file__), "can read")):
+        try:
+            call()
+        except bsv.Error as error:
+            assert words in str(error), str(error)
+        else:
+            raise AssertionError(words + ": no error")
+    try:
+        bsv.convert(wing(), NoSuchProperty=1)
+    except TypeError as error:
+        assert "NoSuchProperty" in str(error)
+    else:
+        raise AssertionError("an unknown property was taken")
+
+
+if __name__ == "__main__":
+    for name, test in list(globals().items()):
+        if name.startswith("test_"):
+            test()
+            print(name, "passed")
