@@ -622,7 +622,7 @@ std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std:
   std::ostringstream text;
   for (const bool border : { false, true })
   {
-    std::map<bsv::Continuity, int> counts;
+    std::map<bsv::JoinContinuity, int> counts;
     int joins = 0;
     int creases = 0;
     for (const bsv::Join& join : result.joins)

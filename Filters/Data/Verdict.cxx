@@ -48,7 +48,7 @@ JoinVerdict joinVerdict(vtkDataObject* volume, const std::vector<bool>& wall, co
   {
     const Join& join = result.joins[n];
     const ClassifiedJoin classified = classifyJoin(join);
-    verdict.open += join.continuity == Continuity::Open ? 1 : 0;
+    verdict.open += join.continuity == JoinContinuity::Open ? 1 : 0;
     verdict.expected += classified.of == JoinClass::Expected ? 1 : 0;
     verdict.gap = std::max(verdict.gap, join.worst[static_cast<int>(JumpKind::Gap)].value);
     if (classified.of == JoinClass::Defect && ++verdict.defects == 1)

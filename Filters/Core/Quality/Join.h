@@ -56,7 +56,7 @@ constexpr int JumpKinds = 7;
 using Jumps = std::array<double, JumpKinds>;
 
 /// How far a join is smooth. Lower is worse.
-enum class Continuity
+enum class JoinContinuity
 {
   Open, ///< the sides have a gap
   C0,   ///< layers kink that need not (on a wall border: the wall does)
@@ -66,7 +66,7 @@ enum class Continuity
 };
 
 /// "open", "C0", "G1", "C1", "C2".
-const char* continuityName(Continuity continuity);
+const char* continuityName(JoinContinuity continuity);
 
 struct JumpMaximum
 {
@@ -93,7 +93,7 @@ struct Join
   bool border() const { return this->sides[0].edge >= 0; }
 
   std::array<JumpMaximum, JumpKinds> worst;
-  Continuity continuity = Continuity::C2;
+  JoinContinuity continuity = JoinContinuity::C2;
   /// A wall border that is meant to be sharp: it counts in no total and is ranked last.
   bool crease = false;
   /// An interface that ends at a crease.

@@ -19,11 +19,11 @@ ClassifiedJoin classifyJoin(const Join& join)
   {
     return { JoinClass::Expected, "crease" };
   }
-  if (join.continuity == Continuity::Open)
+  if (join.continuity == JoinContinuity::Open)
   {
     return { JoinClass::Defect, "gap" };
   }
-  if (join.continuity >= Continuity::C1)
+  if (join.continuity >= JoinContinuity::C1)
   {
     return { JoinClass::Smooth, continuityName(join.continuity) };
   }
@@ -31,7 +31,7 @@ ClassifiedJoin classifyJoin(const Join& join)
   const auto isExtraordinary = [](int valence) { return valence > 0 && valence != 4; };
   const bool alongT = isExtraordinary(valences[0]) || isExtraordinary(valences[1]);
   const bool alongS = isExtraordinary(valences[2]) || isExtraordinary(valences[3]);
-  if (join.continuity == Continuity::G1)
+  if (join.continuity == JoinContinuity::G1)
   {
     return { JoinClass::Deliberate, !join.border() && (alongS || alongT) ? "extraordinary edge" : "change of spacing" };
   }

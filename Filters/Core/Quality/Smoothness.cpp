@@ -96,17 +96,17 @@ bool isSharp(const Join& join, double angle)
   return *middle > angle;
 }
 
-Continuity continuityOf(const Join& join, double gapTolerance, double tolerance)
+JoinContinuity continuityOf(const Join& join, double gapTolerance, double tolerance)
 {
   const auto worst = [&](JumpKind kind) { return join.worst[int(kind)].value; };
   const double kink = join.border()
     ? worst(JumpKind::NormalS)
     : std::min({ worst(JumpKind::NormalS), worst(JumpKind::NormalT), worst(JumpKind::Layer) });
-  return worst(JumpKind::Gap) > gapTolerance ? Continuity::Open
-    : kink > tolerance * DegreesPerRadian    ? Continuity::C0
-    : worst(JumpKind::C1) > tolerance        ? Continuity::G1
-    : worst(JumpKind::C2) > tolerance        ? Continuity::C1
-                                             : Continuity::C2;
+  return worst(JumpKind::Gap) > gapTolerance ? JoinContinuity::Open
+    : kink > tolerance * DegreesPerRadian    ? JoinContinuity::C0
+    : worst(JumpKind::C1) > tolerance        ? JoinContinuity::G1
+    : worst(JumpKind::C2) > tolerance        ? JoinContinuity::C1
+                                             : JoinContinuity::C2;
 }
 
 /// What the edges of an interface say about it.
@@ -343,7 +343,7 @@ double extent(const std::vector<Join>& joins, const Ranks& ranks)
 
 } // namespace
 
-const char* continuityName(Continuity continuity)
+const char* continuityName(JoinContinuity continuity)
 {
   static constexpr const char* Names[] = { "open", "C0", "G1", "C1", "C2" };
   return Names[static_cast<int>(continuity)];
@@ -353,11 +353,11 @@ JumpKind Join::rankedBy() const
 {
   switch (this->continuity)
   {
-    case Continuity::Open:
+    case JoinContinuity::Open:
       return JumpKind::Gap;
-    case Continuity::C0:
+    case JoinContinuity::C0:
       return JumpKind::Layer;
-    case Continuity::G1:
+    case JoinContinuity::G1:
       return JumpKind::C1;
     default:
       return JumpKind::C2;

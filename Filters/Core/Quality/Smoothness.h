@@ -43,7 +43,7 @@ struct BlockSmoothness
 {
   /// Maxima over the block's joins that are no creases.
   Jumps worst{};
-  Continuity continuity = Continuity::C2;
+  JoinContinuity continuity = JoinContinuity::C2;
   /// The worst of these joins, or -1.
   int worstJoin = -1;
 };

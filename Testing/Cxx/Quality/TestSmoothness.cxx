@@ -420,7 +420,7 @@ TEST(Smoothness, CutVolumeIsC2InAllOrientations)
       EXPECT_LT(worst(join, JumpKind::Kink), 1e-12);
       EXPECT_LT(worst(join, JumpKind::C1), 1e-13);
       EXPECT_LT(worst(join, JumpKind::C2), 1e-12);
-      EXPECT_EQ(join.continuity, Continuity::C2);
+      EXPECT_EQ(join.continuity, JoinContinuity::C2);
       EXPECT_EQ(canonical({ join }), reference);
     });
   }
@@ -443,7 +443,7 @@ TEST(Smoothness, C1Only)
     const Join join = measured(t);
     EXPECT_LT(worst(join, JumpKind::C1), 1e-13);
     EXPECT_LT(worst(join, JumpKind::Layer), 1e-12);
-    EXPECT_EQ(join.continuity, Continuity::C1);
+    EXPECT_EQ(join.continuity, JoinContinuity::C1);
     EXPECT_EQ(canonical({ join }), reference);
   });
 }
@@ -476,7 +476,7 @@ TEST(Smoothness, G1WithPrescribedReparametrisation)
     EXPECT_LT(first ? s : n, 1e-11);
     EXPECT_GT(first ? n : s, 10.0);
     EXPECT_GT(worst(turnedJoin, JumpKind::C1), 0.5);
-    EXPECT_EQ(turnedJoin.continuity, Continuity::G1);
+    EXPECT_EQ(turnedJoin.continuity, JoinContinuity::G1);
     EXPECT_EQ(canonical({ turnedJoin }), reference);
   });
 
@@ -486,7 +486,7 @@ TEST(Smoothness, G1WithPrescribedReparametrisation)
   const Join both = measured(stretched);
   EXPECT_LT(worst(both, JumpKind::Layer), 1e-11);
   EXPECT_NEAR(worst(both, JumpKind::C1), 0.5, 1e-12);
-  EXPECT_EQ(both.continuity, Continuity::G1);
+  EXPECT_EQ(both.continuity, JoinContinuity::G1);
 }
 
 TEST(Smoothness, KinkOfSevenDegrees)
@@ -510,7 +510,7 @@ TEST(Smoothness, KinkOfSevenDegrees)
   const Pair hinged = joined([](const Vec3& x) { return x; },
     [&](const Vec3& u) { return Vec3(u[0] * (hinge * Vec3::UnitX()) + Vec3(0, u[1], u[2])); }, { 1, 1, 1 });
   const Join join = measured(hinged);
-  EXPECT_EQ(join.continuity, Continuity::C0);
+  EXPECT_EQ(join.continuity, JoinContinuity::C0);
   EXPECT_NEAR(worst(join, JumpKind::Kink), 7.0, 1e-12);
   // s x n with n turned out of the plane: tan is that of 7 degrees over sqrt 2.
   EXPECT_NEAR(worst(join, JumpKind::NormalS), std::atan(std::tan(angle) / std::sqrt(2.0)) * 180.0 / Pi, 1e-12);
@@ -529,7 +529,7 @@ TEST(Smoothness, GapOfOneBillionth)
     const Join join = measured(t);
     // Coordinates are at most 3.
     EXPECT_NEAR(worst(join, JumpKind::Gap), 1e-9, 8 * 3 * std::numeric_limits<double>::epsilon());
-    EXPECT_EQ(join.continuity, Continuity::Open);
+    EXPECT_EQ(join.continuity, JoinContinuity::Open);
     EXPECT_LT(worst(join, JumpKind::C1), 1e-13);
   });
   EXPECT_EQ(turned(pair, {}, {}).contact.orientation, 0);
@@ -598,7 +598,7 @@ TEST(Smoothness, UnequalDegreesAndKnots)
   EXPECT_EQ(join.spans, (std::array<int, 2>{ 3, 2 }));
   EXPECT_LT(worst(join, JumpKind::Gap), 1e-14);
   EXPECT_LT(worst(join, JumpKind::C2), 1e-11);
-  EXPECT_EQ(join.continuity, Continuity::C2);
+  EXPECT_EQ(join.continuity, JoinContinuity::C2);
 
   // A factor common to both sides changes nothing; wider knots on one side halve its derivatives.
   Pair bent = pair;
@@ -611,7 +611,7 @@ TEST(Smoothness, UnequalDegreesAndKnots)
   scaleKnots(pair.b, 0, 2.0);
   join = measured(pair);
   EXPECT_NEAR(worst(join, JumpKind::C1), 0.5, 1e-12);
-  EXPECT_EQ(join.continuity, Continuity::G1);
+  EXPECT_EQ(join.continuity, JoinContinuity::G1);
   expectMaxima(pair, join);
 }
 
@@ -626,7 +626,7 @@ TEST(Smoothness, UnclampedKnots)
   const Join join = measured(t);
   EXPECT_LT(worst(join, JumpKind::Gap), 1e-14);
   EXPECT_LT(worst(join, JumpKind::C2), 1e-13);
-  EXPECT_EQ(join.continuity, Continuity::C2);
+  EXPECT_EQ(join.continuity, JoinContinuity::C2);
   const auto found = findVolumeInterfaces(t.volumes());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].faceA, 1);
@@ -664,7 +664,7 @@ TEST(Smoothness, RationalQuarters)
     const Join join = measured(t);
     EXPECT_LT(worst(join, JumpKind::C1), 1e-14);
     EXPECT_LT(worst(join, JumpKind::Layer), 1e-13);
-    EXPECT_EQ(join.continuity, Continuity::C1);
+    EXPECT_EQ(join.continuity, JoinContinuity::C1);
     EXPECT_EQ(canonical({ join }), reference);
   });
   // The same nets without weights are parabolas, with speed 2 instead of sqrt 2; a rational volume taken as one would
@@ -688,12 +688,12 @@ TEST(Smoothness, ConvertedMeshes)
   ASSERT_EQ(boxed.joins.size(), 12u + 24u + 24u); // interfaces, borders in the six sides, edges of the box
   for (const Join& join : boxed.joins)
   {
-    EXPECT_TRUE(join.crease || join.continuity == Continuity::C2) << worst(join, JumpKind::C2);
+    EXPECT_TRUE(join.crease || join.continuity == JoinContinuity::C2) << worst(join, JumpKind::C2);
   }
   EXPECT_TRUE(boxed.curves.empty());
   for (const BlockSmoothness& block : boxed.blocks)
   {
-    EXPECT_EQ(block.continuity, Continuity::C2);
+    EXPECT_EQ(block.continuity, JoinContinuity::C2);
   }
 
   for (const int valence : { 3, 5, 6 })
@@ -731,7 +731,7 @@ TEST(Smoothness, ConvertedMeshes)
             }
           }
         }
-        EXPECT_LT(join.continuity, Continuity::C2);
+        EXPECT_LT(join.continuity, JoinContinuity::C2);
         // The layers along the axis turn by |180 - 720 / valence| degrees if the map did not distort them; those that
         // it pierces are nearly smooth.
         const double turn = std::abs(180.0 - 720.0 / valence);
@@ -783,7 +783,7 @@ TEST(Smoothness, BlocksThatMeetThemselves)
       EXPECT_EQ(interfaces[n].blockA, interfaces[n].blockB);
       if (radius > 0.0)
       {
-        EXPECT_EQ(result.joins[n].continuity, Continuity::C2);
+        EXPECT_EQ(result.joins[n].continuity, JoinContinuity::C2);
       }
     }
   }
@@ -804,7 +804,7 @@ TEST(Smoothness, RankingAndTotals)
     if (before.crease == after.crease)
     {
       EXPECT_LE(before.continuity, after.continuity);
-      if (before.continuity == Continuity::C0 && after.continuity == Continuity::C0)
+      if (before.continuity == JoinContinuity::C0 && after.continuity == JoinContinuity::C0)
       {
         EXPECT_GE(worst(before, JumpKind::Layer), worst(after, JumpKind::Layer));
       }
@@ -1161,5 +1161,5 @@ TEST(Smoothness, BadInput)
   Interface wrong = good.contact;
   wrong.faceB = 5;
   wrong.orientation = 3;
-  EXPECT_EQ(measureSmoothness(good.volumes(), { wrong }).joins.at(0).continuity, Continuity::Open);
+  EXPECT_EQ(measureSmoothness(good.volumes(), { wrong }).joins.at(0).continuity, JoinContinuity::Open);
 }
