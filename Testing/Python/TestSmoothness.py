@@ -192,7 +192,7 @@ def test_colours():
     first = (blocks(client(proxy).GetOutputDataObject(0))[0].GetPointData(),
              blocks(client(proxy).GetOutputDataObject(1))[0].GetCellData(),
              client(proxy).GetOutputDataObject(3).GetPointData())
-    assert [data.GetScalars().GetName() for data in first] == ["LayerJump", "LayerJump", "NormalJump"]
+    assert [data.GetScalars().GetName() for data in first] == ["Layer jump (degrees)", "LayerJump", "NormalJump"]
     information = simple.OutputPort(proxy, 1).CellData
     for name in ("NormalJump", "C1Jump", "C2Jump"):
         low, high = information[name].GetRange()

@@ -88,7 +88,8 @@ def test_quadflow():
 
 def test_creases_of_cut_blocks():
     """Crease lines name control points of the pieces that a crease angle cuts the blocks into, made by crease rules."""
-    volume = simple.CatmullClarkToBSplineVolume(Input=source(Resolution=3), UseCreaseAngle=1, CreaseAngle=30.0)
+    volume = simple.CatmullClarkToBSplineVolume(Input=source(Resolution=3), UseCreaseAngle=1, CreaseAngle=30.0,
+                                                CreaseContrast=0.0)
     data, _ = update(volume)
     assert len(blocks(data)) > 79
     creases = field(data, "CreaseEdges")

@@ -182,7 +182,10 @@ void checkBSplineVolume(const BSplineVolume& volume, const std::string& name)
       {
         if (!std::isfinite(volume.points[i]))
         {
-          throw Error(name + ": control point " + std::to_string(i / 3) + " is not finite");
+          const Index n = i / 3;
+          throw Error(name + ": control point (" + std::to_string(n % volume.count(0)) + ", " +
+            std::to_string(n / volume.count(0) % volume.count(1)) + ", " +
+            std::to_string(n / volume.count(0) / volume.count(1)) + ") is not finite");
         }
       }
     }

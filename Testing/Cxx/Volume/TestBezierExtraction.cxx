@@ -480,7 +480,7 @@ TEST(BezierExtraction, UnequalDegreesAreNotWelded)
   EXPECT_EQ(BezierExtraction(volumes, &contacts, BezierCells::OuterFaces).faces().size(), 10u);
 }
 
-TEST(BezierExtraction, NothingInNothingOutAndBadPointsDoNotCrash)
+TEST(BezierExtraction, NothingInNothingOutAndBadPointsAreRefused)
 {
   const std::vector<BSplineVolume> none;
   const BezierExtraction empty(none, nullptr, BezierCells::Volume);
@@ -491,6 +491,6 @@ TEST(BezierExtraction, NothingInNothingOutAndBadPointsDoNotCrash)
   Volumes lattice = cutLattice(random, { { { 1, 1 }, { 1 }, { 1 } } });
   std::fill(lattice.blocks[0].points.begin(), lattice.blocks[0].points.end(), std::numeric_limits<double>::quiet_NaN());
   const std::vector<BSplineVolume> volumes = views(lattice.blocks);
-  EXPECT_EQ(BezierExtraction(volumes, nullptr, BezierCells::Volume).pointCount(), 128);
-  EXPECT_EQ(BezierExtraction(volumes, &lattice.interfaces, BezierCells::Volume).pointCount(), 128);
+  EXPECT_THROW(BezierExtraction(volumes, nullptr, BezierCells::Volume), Error);
+  EXPECT_THROW(BezierExtraction(volumes, &lattice.interfaces, BezierCells::Volume), Error);
 }
