@@ -249,8 +249,8 @@ def test_reader_is_chosen_by_content():
 
         mesh = os.path.join(folder, "refused.mesh")
         with open(mesh, "w") as file:
-            file.write("MFEM NURBS mesh v1.1\n")
-        assert "line 1: 'MFEM NURBS mesh v1.1' is not supported" in failure(simple.BSplineVolumeReader(FileName=mesh))
+            file.write("MFEM NURBS mesh v1.2\n")
+        assert "line 1: 'MFEM NURBS mesh v1.2' is not supported" in failure(simple.BSplineVolumeReader(FileName=mesh))
         assert simple.OpenDataFile(mesh).GetXMLName() == "BSplineVolumeReader"
 
 

@@ -743,7 +743,8 @@ private:
 
   void tell()
   {
-    this->Result.notes = this->Creases.notes();
+    const std::vector<std::string>& found = this->Creases.notes();
+    this->Result.notes.insert(this->Result.notes.end(), found.begin(), found.end());
     this->Result.tangledCells = this->Check.tangledCells;
     std::vector<std::string> leftHanded;
     std::vector<std::string> split;
