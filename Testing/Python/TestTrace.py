@@ -75,7 +75,7 @@ def workflow(folder, written):
     quality = simple.BSplineVolumeQuality(registrationName="quality", Input=volume)
     simple.Show(quality, view)
     cells = simple.BSplineVolumeToBezierCells(registrationName="cells", Input=volume)
-    apply(cells, Cells="Outer Faces")
+    apply(cells, Cells="All Faces")
     simple.Show(cells, view)
     # File > Save Data; scripts' own SaveData() leaves no trace.
     writer = simple.CreateWriter(written, proxy=volume, IndexBase=1)
@@ -93,7 +93,7 @@ def main(pvpython):
         expected = digests()
         assert all(name + "(" in trace for name in SOURCES), trace
         for line in ("UseCreaseAngle = 1", "CreaseAngle = 35.0", "BodyBoundaries = ['WALL']", "SamplesPerSpan = 2",
-                     "Cells = 'Outer Faces'", "IndexBase=1"):
+                     "Cells = 'All Faces'", "IndexBase=1"):
             assert line in trace, line + "\n" + trace
         with open(written, "rb") as file:
             volume = file.read()
