@@ -33,6 +33,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 namespace bsv
 {
@@ -806,12 +807,13 @@ std::vector<std::array<double, 3>> buildLines(BlockParts& parts, const Model& mo
     for (int axis = 0; axis < 2; ++axis)
     {
       const int across = counts[1 - axis];
-      std::vector<int> lines;
-      for (int n = 0; n < across && all; ++n)
+      std::vector<int> lines = netIndices(across);
+      if (all)
       {
-        lines.push_back(n);
+        lines.resize(across);
+        std::iota(lines.begin(), lines.end(), 0);
       }
-      for (const int n : all ? lines : netIndices(across))
+      for (const int n : lines)
       {
         std::vector<Vec3> line;
         for (int m = 0; m < counts[axis]; ++m)

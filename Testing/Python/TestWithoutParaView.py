@@ -10,6 +10,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Examples"))
 import bsplinevolume
 import make_demo_mesh
+import TestDemoHash
 
 
 def points(algorithm):
@@ -37,6 +38,7 @@ def main(modules):
         reread.SetFileName(writer.GetFileName())
         reread.Update()
         assert points(reread) == points(convert)
+    TestDemoHash.main()
 
     with open("/proc/self/maps") as maps:
         loaded = {line.split()[-1] for line in maps}

@@ -1160,10 +1160,13 @@ private:
       report.repaired += part[1];
       report.invalidCells += part[2];
     }
-    for (const Place& place : this->Group.gatherAll(left))
+    for (const std::vector<Place>& part : this->Group.gather(left))
     {
-      (place.validity == Validity::Invalid ? report.invalid : report.undecided) += 1;
-      report.left.push_back({ place.block, place.cell });
+      for (const Place& place : part)
+      {
+        (place.validity == Validity::Invalid ? report.invalid : report.undecided) += 1;
+        report.left.push_back({ place.block, place.cell });
+      }
     }
     for (const auto& [point, offset] : this->Offsets)
     {

@@ -40,7 +40,8 @@ std::string encoded(const std::string& name)
 }
 void writeHeader(TextOutput text, const char* magic, const QuadflowOptions& options)
 {
-  text << "# Multi-block B-spline topology, dialect of BSplineVolume; see quadflow_format.md.\n"
+  text << "# Multi-block B-spline topology, dialect of BSplineVolume " BSPLINEVOLUME_VERSION
+          "; see quadflow_format.md.\n"
        << magic << " " << Version << "\n"
        << "dimension 3\nindex_base " << options.indexBase << "\nknots " << (options.unitKnots ? "unit" : "integer")
        << "\ncp_order ijk\n";
