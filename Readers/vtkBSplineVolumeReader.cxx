@@ -18,7 +18,6 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkStructuredGrid.h"
-#include "vtksys/SystemTools.hxx"
 
 vtkStandardNewMacro(vtkBSplineVolumeReader);
 
@@ -59,16 +58,12 @@ vtkSmartPointer<vtkStructuredGrid> gridOf(const bsv::BSplineVolumeFileBlock& blo
 } // namespace
 
 //------------------------------------------------------------------------------
-vtkBSplineVolumeReader::vtkBSplineVolumeReader()
-{
-  this->SetNumberOfInputPorts(0);
-}
+vtkBSplineVolumeReader::vtkBSplineVolumeReader() = default;
 
 //------------------------------------------------------------------------------
 void vtkBSplineVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << this->FileName << "\n";
   os << indent << "Format: " << this->Format << "\n";
   os << indent << "NumberOfBlocks: " << this->NumberOfBlocks << "\n";
   os << indent << "NumberOfRationalBlocks: " << this->NumberOfRationalBlocks << "\n";
@@ -78,15 +73,15 @@ void vtkBSplineVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeReader::CanReadFile(const char* fileName)
 {
-  return fileName && bsv::isBSplineVolumeFile(fileName) ? 1 : 0;
+  return fileName && bsv::isBSplineVolumeFile(FirstFile(fileName)) ? 1 : 0;
 }
 
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeReader::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
-  return 1;
+  return this->Superclass::RequestInformation(request, inputVector, outputVector);
 }
 
 //------------------------------------------------------------------------------
@@ -97,7 +92,7 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
   this->Format.clear();
   this->NotRead.clear();
   this->NumberOfBlocks = this->NumberOfRationalBlocks = 0;
-  if (this->FileName.empty())
+  if (this->GetNumberOfFileNames() == 0)
   {
     vtkErrorMacro("FileName is empty.");
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
@@ -105,13 +100,16 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
   }
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece);
+  std::string fileName = this->GetFileName();
   const int success = bsv::execute(this, output, *run.ranks, [&] {
+    const Step step = this->RequestedStep(outputVector);
+    fileName = step.file;
     bsv::BSplineVolumeFileContent content;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     std::vector<std::string> names;
     run.ranks->together([&] {
       run.report(0.0);
-      content = bsv::readBSplineVolumeFile(this->FileName);
+      content = bsv::readBSplineVolumeFile(fileName);
       run.report(0.8);
       std::vector<bsv::Ijk> counts;
       for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
@@ -144,14 +142,14 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
     }
     if (!this->NotRead.empty() && run.ranks->rank() == 0)
     {
-      vtkWarningMacro(<< this->FileName << ": left out: " << this->NotRead);
+      vtkWarningMacro(<< fileName << ": left out: " << this->NotRead);
     }
     run.report(1.0);
+    SetTime(output, step);
   });
   if (!success)
   {
-    this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
-                                                                       : vtkErrorCode::FileNotFoundError);
+    this->SetFileError(fileName);
   }
   return success;
 }

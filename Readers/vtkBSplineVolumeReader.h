@@ -30,24 +30,16 @@
 #define vtkBSplineVolumeReader_h
 
 #include "BSplineVolumeReadersModule.h" // For export macro
-#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkFileSeriesSource.h"
 
 #include <string> // For the file name
 
-class BSPLINEVOLUMEREADERS_EXPORT vtkBSplineVolumeReader : public vtkPartitionedDataSetCollectionAlgorithm
+class BSPLINEVOLUMEREADERS_EXPORT vtkBSplineVolumeReader : public vtkFileSeriesSource
 {
 public:
   static vtkBSplineVolumeReader* New();
-  vtkTypeMacro(vtkBSplineVolumeReader, vtkPartitionedDataSetCollectionAlgorithm);
+  vtkTypeMacro(vtkBSplineVolumeReader, vtkFileSeriesSource);
   void PrintSelf(ostream& os, vtkIndent indent) override;
-
-  ///@{
-  /**
-   * The file; its format is found from its contents.
-   */
-  vtkSetStdStringFromCharMacro(FileName);
-  vtkGetCharFromStdStringMacro(FileName);
-  ///@}
 
   ///@{
   /**
@@ -77,7 +69,6 @@ private:
   vtkBSplineVolumeReader(const vtkBSplineVolumeReader&) = delete;
   void operator=(const vtkBSplineVolumeReader&) = delete;
 
-  std::string FileName;
   std::string Format;
   int NumberOfBlocks = 0;
   int NumberOfRationalBlocks = 0;

@@ -150,23 +150,27 @@ void tellBlanked(const std::vector<bsv::GridBlock>& blocks, const bsv::Ranks& ra
 } // namespace
 
 //------------------------------------------------------------------------------
-vtkHexBlockMeshReader::vtkHexBlockMeshReader()
-{
-  this->SetNumberOfInputPorts(0);
-}
+vtkHexBlockMeshReader::vtkHexBlockMeshReader() = default;
 
 //------------------------------------------------------------------------------
 int vtkHexBlockMeshReader::CanReadFile(const char* fileName)
 {
-  return fileName && (bsv::looksLikeCGNS(fileName) || bsv::looksLikePlot3D(fileName)) ? 1 : 0;
+  const std::string first = FirstFile(fileName);
+  return bsv::looksLikeCGNS(first) || bsv::looksLikePlot3D(first) ? 1 : 0;
 }
 
 //------------------------------------------------------------------------------
 int vtkHexBlockMeshReader::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
-  return 1;
+  return this->Superclass::RequestInformation(request, inputVector, outputVector);
+}
+
+//------------------------------------------------------------------------------
+std::vector<double> vtkHexBlockMeshReader::TimesIn(const std::string& fileName)
+{
+  return bsv::looksLikeCGNS(fileName) ? bsv::cgnsTimes(fileName) : std::vector<double>();
 }
 
 //------------------------------------------------------------------------------
@@ -175,7 +179,7 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   this->SetErrorCode(vtkErrorCode::NoError);
   this->FileLayout.clear();
-  if (this->FileName.empty())
+  if (this->GetNumberOfFileNames() == 0)
   {
     vtkErrorMacro("File Name is empty.");
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
@@ -183,14 +187,17 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
   }
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.95);
+  std::string fileName = this->GetFileName();
   const int success = bsv::execute(this, output, *run.ranks, [&] {
+    const Step step = this->RequestedStep(outputVector);
+    fileName = step.file;
     std::string layoutName;
     std::vector<bsv::GridBlock> blocks;
     bsv::BlockMesh mesh;
     std::vector<std::string> warnings;
-    if (bsv::looksLikeCGNS(this->FileName))
+    if (bsv::looksLikeCGNS(fileName))
     {
-      bsv::CGNSZones zones = bsv::readCGNS(this->FileName, run, piece);
+      bsv::CGNSZones zones = bsv::readCGNS(fileName, run, piece, step.number);
       blocks = std::move(zones.blocks);
       mesh.interfaces = std::move(zones.interfaces);
       mesh.boundaries = std::move(zones.boundaries);
@@ -207,8 +214,8 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
       options.realType = static_cast<bsv::RealType>(this->Precision);
       options.iblank = static_cast<bsv::IBlank>(this->IBlank);
       run.ranks->together([&] {
-        const bsv::Plot3DLayout layout = bsv::plot3DLayout(this->FileName, options);
-        blocks = bsv::readPlot3D(this->FileName, layout, run, piece);
+        const bsv::Plot3DLayout layout = bsv::plot3DLayout(fileName, options);
+        blocks = bsv::readPlot3D(fileName, layout, run, piece);
         layoutName = "PLOT3D, " + layout.description();
       });
     }
@@ -219,13 +226,17 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     }
     if (this->UseNeutralMap && layoutName != "CGNS")
     {
-      const std::string extension = vtksys::SystemTools::GetFilenameLastExtension(this->FileName);
-      const std::string stem = this->FileName.substr(0, this->FileName.size() - extension.size());
+      // Steps of a series without one of their own have that of the first.
       std::string map = this->NeutralMapFile;
-      for (const char* ending : { ".nmf", ".NMF", ".Nmf" })
+      for (const std::string& grid : { fileName, FirstFile(this->GetFileName()) })
       {
-        const bool here = map.empty() && vtksys::SystemTools::FileExists(stem + ending, true);
-        map = run.ranks->any(here) ? stem + ending : map;
+        const std::string extension = vtksys::SystemTools::GetFilenameLastExtension(grid);
+        const std::string stem = grid.substr(0, grid.size() - extension.size());
+        for (const char* ending : { ".nmf", ".NMF", ".Nmf" })
+        {
+          const bool here = map.empty() && vtksys::SystemTools::FileExists(stem + ending, true);
+          map = run.ranks->any(here) ? stem + ending : map;
+        }
       }
       if (!map.empty())
       {
@@ -243,22 +254,23 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     }
     bsv::setBlocks(result, grids, names, "mesh");
     bsv::setConnectivity(result->GetFieldData(), mesh);
-    bsv::tagBlocks(result, mesh, this->FileName);
+    // The same blocks in all steps.
+    bsv::tagBlocks(result, mesh, this->GetFileName());
     output->ShallowCopy(result);
     this->FileLayout = layoutName;
     for (const std::string& warning : warnings)
     {
       if (run.ranks->rank() == 0)
       {
-        vtkWarningMacro(<< this->FileName << ": " << warning);
+        vtkWarningMacro(<< fileName << ": " << warning);
       }
     }
     this->UpdateProgress(1.0);
+    SetTime(output, step);
   });
   if (!success)
   {
-    this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
-                                                                       : vtkErrorCode::FileNotFoundError);
+    this->SetFileError(fileName);
   }
   return success;
 }
@@ -267,7 +279,6 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
 void vtkHexBlockMeshReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << this->FileName << "\n";
   os << indent << "UseNeutralMap: " << this->UseNeutralMap << "\n";
   os << indent << "NeutralMapFile: " << this->NeutralMapFile << "\n";
   os << indent << "Format: " << this->Format << "\n";

@@ -30,6 +30,10 @@
  * Whatever else is wrong with a file ends in one error that names file, block, line or offset and value, sets the error
  * code and leaves the output empty. Sizes are checked against the file before memory is allocated.
  *
+ * Several files are the steps of a series (vtkFileSeriesSource); a step of PLOT3D without a neutral map of its own has
+ * that of the first. A CGNS file has the times of its BaseIterativeData_t; where ZoneIterativeData_t names
+ * GridCoordinates_t per step, each step has its own coordinates. Names and contacts are those of the file in all steps.
+ *
  * The blocks are shared out over the pieces that the pipeline asks for, which are the ranks of ParaView, by their
  * numbers of points (distributeBlocks() in Ranks.h). Every piece has all partitioned data sets, names and field data,
  * and the points of its own blocks; elsewhere a data set has no partition. Of a binary PLOT3D or a CGNS file a piece
@@ -46,15 +50,15 @@
 #define vtkHexBlockMeshReader_h
 
 #include "BSplineVolumeReadersModule.h" // For export macro
-#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkFileSeriesSource.h"
 
 #include <string> // For the file names
 
-class BSPLINEVOLUMEREADERS_EXPORT vtkHexBlockMeshReader : public vtkPartitionedDataSetCollectionAlgorithm
+class BSPLINEVOLUMEREADERS_EXPORT vtkHexBlockMeshReader : public vtkFileSeriesSource
 {
 public:
   static vtkHexBlockMeshReader* New();
-  vtkTypeMacro(vtkHexBlockMeshReader, vtkPartitionedDataSetCollectionAlgorithm);
+  vtkTypeMacro(vtkHexBlockMeshReader, vtkFileSeriesSource);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// How a PLOT3D file is stored.
@@ -87,14 +91,6 @@ public:
     WITHOUT_IBLANK,
     WITH_IBLANK
   };
-
-  ///@{
-  /**
-   * The grid file.
-   */
-  vtkSetStdStringFromCharMacro(FileName);
-  vtkGetCharFromStdStringMacro(FileName);
-  ///@}
 
   ///@{
   /**
@@ -161,6 +157,7 @@ protected:
   vtkHexBlockMeshReader();
   ~vtkHexBlockMeshReader() override = default;
 
+  std::vector<double> TimesIn(const std::string& fileName) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
@@ -168,7 +165,6 @@ private:
   vtkHexBlockMeshReader(const vtkHexBlockMeshReader&) = delete;
   void operator=(const vtkHexBlockMeshReader&) = delete;
 
-  std::string FileName;
   bool UseNeutralMap = true;
   std::string NeutralMapFile;
   int Format = AUTOMATIC_FORMAT;

@@ -15,7 +15,6 @@
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPolyData.h"
 #include "vtkStringArray.h"
-#include "vtksys/SystemTools.hxx"
 
 #include <cmath>
 #include <sstream>
@@ -64,16 +63,12 @@ void addString(vtkFieldData* fields, const char* name, const std::string& value)
 } // namespace
 
 //------------------------------------------------------------------------------
-vtkNURBSSurfaceReader::vtkNURBSSurfaceReader()
-{
-  this->SetNumberOfInputPorts(0);
-}
+vtkNURBSSurfaceReader::vtkNURBSSurfaceReader() = default;
 
 //------------------------------------------------------------------------------
 void vtkNURBSSurfaceReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << this->FileName << "\n";
   os << indent << "LengthUnit: " << this->LengthUnit << "\n";
   os << indent << "FileUnit: " << this->FileUnit << "\n";
   os << indent << "TessellationTolerance: " << this->TessellationTolerance << "\n";
@@ -88,7 +83,7 @@ void vtkNURBSSurfaceReader::PrintSelf(ostream& os, vtkIndent indent)
 //------------------------------------------------------------------------------
 int vtkNURBSSurfaceReader::CanReadFile(const char* fileName)
 {
-  const std::string format = fileName ? bsv::formatOfNURBSFile(fileName) : std::string();
+  const std::string format = fileName ? bsv::formatOfNURBSFile(FirstFile(fileName)) : std::string();
   return !format.empty() && (format == "GoTools g2" || bsv::canReadCADFiles()) ? 1 : 0;
 }
 
@@ -101,7 +96,7 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
   this->DeclaredUnit.clear();
   this->NotRead.clear();
   this->NumberOfPatches = this->NumberOfTrimmedPatches = this->NumberOfRationalPatches = 0;
-  if (this->FileName.empty())
+  if (this->GetNumberOfFileNames() == 0)
   {
     vtkErrorMacro("FileName is empty.");
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
@@ -110,8 +105,11 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
   // Every rank has the whole body.
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.9);
+  std::string fileName = this->GetFileName();
   const int success = bsv::execute(this, output, *run.ranks, [&] {
-    bsv::NURBSFileContent content = bsv::readNURBSFile(this->FileName, this->TessellationTolerance, run);
+    const Step step = this->RequestedStep(outputVector);
+    fileName = step.file;
+    bsv::NURBSFileContent content = bsv::readNURBSFile(fileName, this->TessellationTolerance, run);
 
     const double fileUnit = this->FileUnit == AS_IN_FILE ? content.unit : Units[this->FileUnit].metres;
     double targetUnit = content.unit;
@@ -119,7 +117,7 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
     {
       if (!(fileUnit > 0.0))
       {
-        throw bsv::Error(this->FileName + ": the file declares no unit of length that is known, so LengthUnit = " +
+        throw bsv::Error(fileName + ": the file declares no unit of length that is known, so LengthUnit = " +
           Units[this->LengthUnit].name + " needs FileUnit to be set");
       }
       targetUnit = Units[this->LengthUnit].metres;
@@ -172,25 +170,25 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
     fields->AddArray(notReadCount);
     if (!this->NotRead.empty() && run.ranks->rank() == 0)
     {
-      vtkWarningMacro(<< this->FileName << ": left out: " << this->NotRead);
+      vtkWarningMacro(<< fileName << ": left out: " << this->NotRead);
     }
     for (const std::string& warning : content.warnings)
     {
       if (run.ranks->rank() == 0)
       {
-        vtkWarningMacro(<< this->FileName << ": " << warning);
+        vtkWarningMacro(<< fileName << ": " << warning);
       }
     }
     if (content.approximated > 0 && run.ranks->rank() == 0)
     {
-      vtkWarningMacro(<< this->FileName << ": " << content.approximated
+      vtkWarningMacro(<< fileName << ": " << content.approximated
                       << " faces have no exact NURBS form and were approximated");
     }
+    SetTime(output, step);
   });
   if (!success)
   {
-    this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
-                                                                       : vtkErrorCode::FileNotFoundError);
+    this->SetFileError(fileName);
   }
   return success;
 }

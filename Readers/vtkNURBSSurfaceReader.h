@@ -29,15 +29,15 @@
 #define vtkNURBSSurfaceReader_h
 
 #include "BSplineVolumeReadersModule.h" // For export macro
-#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkFileSeriesSource.h"
 
 #include <string> // For the file name
 
-class BSPLINEVOLUMEREADERS_EXPORT vtkNURBSSurfaceReader : public vtkPartitionedDataSetCollectionAlgorithm
+class BSPLINEVOLUMEREADERS_EXPORT vtkNURBSSurfaceReader : public vtkFileSeriesSource
 {
 public:
   static vtkNURBSSurfaceReader* New();
-  vtkTypeMacro(vtkNURBSSurfaceReader, vtkPartitionedDataSetCollectionAlgorithm);
+  vtkTypeMacro(vtkNURBSSurfaceReader, vtkFileSeriesSource);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
@@ -54,14 +54,6 @@ public:
     INCH,
     FOOT
   };
-
-  ///@{
-  /**
-   * The file; its format is found from its contents.
-   */
-  vtkSetStdStringFromCharMacro(FileName);
-  vtkGetCharFromStdStringMacro(FileName);
-  ///@}
 
   ///@{
   /**
@@ -119,7 +111,6 @@ private:
   vtkNURBSSurfaceReader(const vtkNURBSSurfaceReader&) = delete;
   void operator=(const vtkNURBSSurfaceReader&) = delete;
 
-  std::string FileName;
   int LengthUnit = AS_IN_FILE;
   int FileUnit = AS_IN_FILE;
   double TessellationTolerance = 5e-4;

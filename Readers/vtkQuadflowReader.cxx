@@ -16,36 +16,32 @@
 #include "vtkSmartPointer.h"
 #include "vtkStructuredGrid.h"
 #include "vtkUnsignedCharArray.h"
-#include "vtksys/SystemTools.hxx"
 
 #include <map>
 
 vtkStandardNewMacro(vtkQuadflowReader);
 
 //------------------------------------------------------------------------------
-vtkQuadflowReader::vtkQuadflowReader()
-{
-  this->SetNumberOfInputPorts(0);
-}
+vtkQuadflowReader::vtkQuadflowReader() = default;
 
 //------------------------------------------------------------------------------
 void vtkQuadflowReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << this->FileName << "\n";
 }
 
 //------------------------------------------------------------------------------
 int vtkQuadflowReader::CanReadFile(const char* fileName)
 {
-  return fileName && bsv::looksLikeQuadflow(fileName) ? 1 : 0;
+  return fileName && bsv::looksLikeQuadflow(FirstFile(fileName)) ? 1 : 0;
 }
 
 //------------------------------------------------------------------------------
-int vtkQuadflowReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+int vtkQuadflowReader::RequestInformation(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
-  return 1;
+  return this->Superclass::RequestInformation(request, inputVector, outputVector);
 }
 
 //------------------------------------------------------------------------------
@@ -53,7 +49,7 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   this->SetErrorCode(vtkErrorCode::NoError);
-  if (this->FileName.empty())
+  if (this->GetNumberOfFileNames() == 0)
   {
     vtkErrorMacro("File Name is empty.");
     this->SetErrorCode(vtkErrorCode::NoFileNameError);
@@ -61,7 +57,10 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
   }
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece);
+  std::string fileName = this->GetFileName();
   const int success = bsv::execute(this, output, *run.ranks, [&] {
+    const Step step = this->RequestedStep(outputVector);
+    fileName = step.file;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::QuadflowStorage storage = [&](int block, const std::array<int, 3>& counts) {
       double* points = nullptr;
@@ -69,7 +68,7 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
       grids.push_back(bsv::blockGrid(counts, points));
       return points;
     };
-    const bsv::QuadflowCase all = bsv::readQuadflow(this->FileName, storage, run, piece);
+    const bsv::QuadflowCase all = bsv::readQuadflow(fileName, storage, run, piece);
     grids.resize(all.blocks.size());
 
     std::vector<std::string> names;
@@ -111,11 +110,11 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
     }
     bsv::setBlocks(output, grids, names, "BSplineVolume");
     bsv::setWholeFaceContacts(output, interfaces, boundaries, boundaryNames);
+    SetTime(output, step);
   });
   if (!success)
   {
-    this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName) ? vtkErrorCode::FileFormatError
-                                                                       : vtkErrorCode::FileNotFoundError);
+    this->SetFileError(fileName);
   }
   return success;
 }

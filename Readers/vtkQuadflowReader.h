@@ -24,24 +24,16 @@
 #define vtkQuadflowReader_h
 
 #include "BSplineVolumeReadersModule.h" // For export macro
-#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkFileSeriesSource.h"
 
 #include <string> // For the file name
 
-class BSPLINEVOLUMEREADERS_EXPORT vtkQuadflowReader : public vtkPartitionedDataSetCollectionAlgorithm
+class BSPLINEVOLUMEREADERS_EXPORT vtkQuadflowReader : public vtkFileSeriesSource
 {
 public:
   static vtkQuadflowReader* New();
-  vtkTypeMacro(vtkQuadflowReader, vtkPartitionedDataSetCollectionAlgorithm);
+  vtkTypeMacro(vtkQuadflowReader, vtkFileSeriesSource);
   void PrintSelf(ostream& os, vtkIndent indent) override;
-
-  ///@{
-  /**
-   * The topology file.
-   */
-  vtkSetStdStringFromCharMacro(FileName);
-  vtkGetCharFromStdStringMacro(FileName);
-  ///@}
 
   /**
    * 1 if the file begins as a topology file, else 0.
@@ -58,8 +50,6 @@ protected:
 private:
   vtkQuadflowReader(const vtkQuadflowReader&) = delete;
   void operator=(const vtkQuadflowReader&) = delete;
-
-  std::string FileName;
 };
 
 #endif

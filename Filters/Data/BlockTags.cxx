@@ -4,8 +4,10 @@
 #include "Complex/GluingRanks.h"
 #include "Mesh/BlockSurface.h"
 
+#include <vtkCellType.h>
 #include <vtkDataSet.h>
 #include <vtkFieldData.h>
+#include <vtkIdList.h>
 #include <vtkIdTypeArray.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
@@ -1077,6 +1079,10 @@ FormerBoundaries::FormerBoundaries(vtkFieldData* mesh, vtkDataSet* grid)
       }
     }
     this->addContacts(mesh);
+    if (!this->Patches.empty())
+    {
+      this->addMergedPoints(grid);
+    }
     return;
   }
   const std::vector<int> counts = intsOf(grid->GetFieldData(), "BlockDimensions", 3);
@@ -1134,6 +1140,80 @@ void FormerBoundaries::addContacts(vtkFieldData* mesh)
   }
 }
 
+void FormerBoundaries::addMergedPoints(vtkDataSet* grid)
+{
+  vtkDataArray* numbers = grid->GetPointData()->GetArray("MeshPointIds");
+  // A cell as it was: its first corner in a block.
+  struct Cell
+  {
+    int block;
+    Ijk place;
+    int corners;
+  };
+  constexpr std::array<int, 8> BlockCorner{ 0, 1, 3, 2, 4, 5, 7, 6 };
+  vtkNew<vtkIdList> list;
+  for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c)
+  {
+    const int type = grid->GetCellType(c);
+    if (type != VTK_HEXAHEDRON && type != VTK_VOXEL)
+    {
+      continue;
+    }
+    vtkIdType count = 0;
+    const vtkIdType* points = nullptr;
+    grid->GetCellPoints(c, count, points, list);
+    std::array<Index, 8> ids{};
+    std::vector<Cell> found;
+    for (int v = 0; v < 8; ++v)
+    {
+      const int corner = type == VTK_VOXEL ? v : BlockCorner[v];
+      ids[corner] = static_cast<Index>(numbers->GetTuple1(points[v]));
+      auto [block, place] = this->placeOf(ids[corner]);
+      bool inside = block >= 0;
+      for (int d = 0; d < 3 && inside; ++d)
+      {
+        place[d] -= cornerSide(corner, d);
+        inside = place[d] >= 0 && place[d] < this->Counts[block][d] - 1;
+      }
+      if (!inside)
+      {
+        continue;
+      }
+      auto same = std::find_if(
+        found.begin(), found.end(), [&](const Cell& cell) { return cell.block == block && cell.place == place; });
+      if (same == found.end())
+      {
+        same = found.insert(found.end(), { block, place, 0 });
+      }
+      ++same->corners;
+    }
+    // Most corners have their numbers in the block that the cell is of.
+    const auto fewer = [](const Cell& a, const Cell& b) { return a.corners < b.corners; };
+    const auto most = std::max_element(found.begin(), found.end(), fewer);
+    if (most == found.end() || most->corners == 8 ||
+      std::any_of(std::next(most), found.end(), [&](const Cell& cell) { return cell.corners == most->corners; }))
+    {
+      continue;
+    }
+    const Cell best = *most;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      Ijk p = best.place;
+      for (int d = 0; d < 3; ++d)
+      {
+        p[d] += cornerSide(corner, d);
+      }
+      const Index own = this->idAt(best.block, p);
+      if (own != ids[corner])
+      {
+        this->Merged.insert(this->Merged.end(), { { own, ids[corner] }, { ids[corner], own } });
+      }
+    }
+  }
+  std::sort(this->Merged.begin(), this->Merged.end());
+  this->Merged.erase(std::unique(this->Merged.begin(), this->Merged.end()), this->Merged.end());
+}
+
 std::pair<int, Ijk> FormerBoundaries::placeOf(Index meshPointId) const
 {
   const auto after = std::upper_bound(this->First.begin(), this->First.end(), meshPointId);
@@ -1155,8 +1235,19 @@ Index FormerBoundaries::idAt(int block, const Ijk& p) const
 std::vector<Index> FormerBoundaries::copies(Index meshPointId) const
 {
   std::vector<Index> ids{ meshPointId };
+  const auto add = [&ids](Index id) {
+    if (std::find(ids.begin(), ids.end(), id) == ids.end())
+    {
+      ids.push_back(id);
+    }
+  };
   for (std::size_t n = 0; n < ids.size(); ++n)
   {
+    for (auto at = std::lower_bound(this->Merged.begin(), this->Merged.end(), std::make_pair(ids[n], Index(0)));
+         at != this->Merged.end() && at->first == ids[n]; ++at)
+    {
+      add(at->second);
+    }
     const auto [block, p] = this->placeOf(ids[n]);
     for (std::size_t i = 0;
          block >= 0 && block < static_cast<int>(this->Contacts.size()) && i < this->Contacts[block].size(); ++i)
@@ -1177,11 +1268,7 @@ std::vector<Index> FormerBoundaries::copies(Index meshPointId) const
       q[e] = faceSide(c.faceB) ? this->Counts[c.blockB][e] - 1 : 0;
       q[faceAxis(c.faceB, 0)] = c.originB[0] + onB[0];
       q[faceAxis(c.faceB, 1)] = c.originB[1] + onB[1];
-      const Index id = this->idAt(c.blockB, q);
-      if (std::find(ids.begin(), ids.end(), id) == ids.end())
-      {
-        ids.push_back(id);
-      }
+      add(this->idAt(c.blockB, q));
     }
   }
   return ids;

@@ -76,6 +76,7 @@ public:
 private:
   void addPatch(int block, int face, const FaceRange& range, const std::string& name, const std::string& type);
   void addContacts(vtkFieldData* mesh);
+  void addMergedPoints(vtkDataSet* grid);
   const Name* findIn(int block, const std::array<Index, 4>& meshPointIds) const;
   /// Block and place of a point; the block -1 if there is none.
   std::pair<int, Ijk> placeOf(Index meshPointId) const;
@@ -95,6 +96,8 @@ private:
   std::vector<std::vector<Patch>> OfBlock;
   /// The contacts of each block, seen from it.
   std::vector<std::vector<Interface>> Contacts;
+  /// Numbers of one point in two blocks, from both sides, ascending: of contacts that nobody declared.
+  std::vector<std::pair<Index, Index>> Merged;
   std::vector<Name> Patches;
 };
 

@@ -73,8 +73,14 @@ bool selectsBoundary(const BoundaryPatterns& patterns, const BoundaryPatterns& d
   const std::string type = tag < static_cast<int>(types.size()) ? types[tag] : "";
   const bool typed = !type.empty() && type != "BCTypeUserDefined" && type != "BCTypeNull" && type != "BCGeneral" &&
     type != "FamilySpecified";
+  const auto isIn = [](const BoundaryPatterns& list, const std::string& pattern) {
+    return std::find(list.begin(), list.end(), pattern) != list.end();
+  };
+  // A list without some of them was not extended but written: its patterns are meant as they are.
+  const bool extended =
+    std::all_of(defaults.begin(), defaults.end(), [&](const std::string& pattern) { return isIn(patterns, pattern); });
   return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-    const bool byType = typed && std::find(defaults.begin(), defaults.end(), pattern) != defaults.end();
+    const bool byType = typed && extended && isIn(defaults, pattern);
     return (!byType && matches(pattern, names[tag])) || (typed && matches(pattern, type));
   });
 }

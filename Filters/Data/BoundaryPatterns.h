@@ -27,8 +27,9 @@ BSPLINEVOLUMEFILTERS_EXPORT const BoundaryPatterns& defaultSymmetryBoundaries();
 /// Whether any of the patterns matches the whole name.
 BSPLINEVOLUMEFILTERS_EXPORT bool matchesAny(const BoundaryPatterns& patterns, const std::string& name);
 
-/// Whether the patterns of a role choose boundary `tag`. A boundary whose type is known is chosen by its type: the
-/// patterns of `defaults` do not look at its name, all others do. One without a type is chosen by its name.
+/// Whether the patterns of a role choose boundary `tag`, by its name or its type. As long as `patterns` has all
+/// `defaults`, these do not look at the name of a boundary whose type is known: a far field 'wall of the tunnel' is no
+/// wall unless somebody says so.
 /// @param types BlockMesh::boundaryTypes
 BSPLINEVOLUMEFILTERS_EXPORT bool selectsBoundary(const BoundaryPatterns& patterns, const BoundaryPatterns& defaults,
   const std::vector<std::string>& names, const std::vector<std::string>& types, int tag);

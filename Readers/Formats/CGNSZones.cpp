@@ -90,11 +90,12 @@ public:
 class CGNSReader
 {
 public:
-  CGNSReader(const std::string& fileName, const Execution& run, const Piece& piece, const BlockMemory& memory)
+  CGNSReader(const std::string& fileName, const Execution& run, const Piece& piece, const BlockMemory& memory, int step)
     : FileName(fileName)
     , Run(run)
     , Part(piece)
     , Memory(memory)
+    , Step(step)
   {
     checkCGNSTree(fileName);
     this->check(cg_open(fileName.c_str(), CG_MODE_READ, &this->File), "");
@@ -135,7 +136,56 @@ public:
     return std::move(this->Zones);
   }
 
+  std::vector<double> times()
+  {
+    int bases = 0;
+    this->check(cg_nbases(this->File, &bases), "");
+    for (this->Base = 1; this->Base <= bases; ++this->Base)
+    {
+      Name name{};
+      int cellDimension = 0;
+      int physicalDimension = 0;
+      int steps = 0;
+      this->check(cg_base_read(this->File, this->Base, name.data(), &cellDimension, &physicalDimension), "base");
+      if (cellDimension != 3 || cg_biter_read(this->File, this->Base, name.data(), &steps) != CG_OK || steps < 1)
+      {
+        continue;
+      }
+      std::vector<double> values(static_cast<std::size_t>(steps));
+      for (int n = 0; n < steps; ++n)
+      {
+        values[n] = n;
+      }
+      if (cg_goto(this->File, this->Base, "BaseIterativeData_t", 1, "end") == CG_OK)
+      {
+        this->readNumbers("TimeValues", values) || this->readNumbers("IterationValues", values);
+      }
+      return values;
+    }
+    return {};
+  }
+
 private:
+  /// A node's array of numbers; false, and nothing is changed, if it has none of that name and size.
+  static bool readNumbers(const std::string& wanted, std::vector<double>& values)
+  {
+    int arrays = 0;
+    cg_narrays(&arrays);
+    for (int a = 1; a <= arrays; ++a)
+    {
+      Name name{};
+      CGNS_ENUMT(DataType_t) type;
+      int dimensions = 0;
+      std::array<cgsize_t, 12> size{};
+      if (cg_array_info(a, name.data(), &type, &dimensions, size.data()) == CG_OK && wanted == name.data() &&
+        dimensions == 1 && size[0] == static_cast<cgsize_t>(values.size()))
+      {
+        return cg_array_read_as(a, CGNS_ENUMV(RealDouble), values.data()) == CG_OK;
+      }
+    }
+    return false;
+  }
+
   [[noreturn]] void fail(const std::string& what) const { throw Error(this->FileName + this->Where + ": " + what); }
 
   void check(int status, const std::string& what) const
@@ -330,12 +380,119 @@ private:
     return isFloat;
   }
 
+  /// The GridCoordinates_t that the zone has in the step, 1 for the first; 0 if it does not say.
+  int gridOfStep()
+  {
+    Name name{};
+    if (cg_ziter_read(this->File, this->Base, this->Zone, name.data()) != CG_OK ||
+      cg_goto(this->File, this->Base, "Zone_t", this->Zone, name.data(), 0, "end") != CG_OK)
+    {
+      return 0;
+    }
+    int arrays = 0;
+    cg_narrays(&arrays);
+    for (int a = 1; a <= arrays; ++a)
+    {
+      CGNS_ENUMT(DataType_t) type;
+      int dimensions = 0;
+      std::array<cgsize_t, 12> size{};
+      this->check(cg_array_info(a, name.data(), &type, &dimensions, size.data()), "array of ZoneIterativeData");
+      if (std::string(name.data()) != "GridCoordinatesPointers" || type != CGNS_ENUMV(Character) || dimensions != 2 ||
+        size[1] <= this->Step)
+      {
+        continue;
+      }
+      std::string names(static_cast<std::size_t>(size[0] * size[1]), ' ');
+      this->check(cg_array_read(a, names.data()), "GridCoordinatesPointers");
+      const std::string wanted = trimmed(names.substr(static_cast<std::size_t>(size[0]) * this->Step, size[0]).c_str());
+      int grids = 0;
+      this->check(cg_ngrids(this->File, this->Base, this->Zone, &grids), "grids");
+      for (int g = 1; g <= grids; ++g)
+      {
+        this->check(cg_grid_read(this->File, this->Base, this->Zone, g, name.data()), "grid");
+        if (wanted == trimmed(name.data()))
+        {
+          return g;
+        }
+      }
+      this->fail("step " + std::to_string(this->Step) + " has the coordinates '" + wanted + "', which are not there");
+    }
+    return 0;
+  }
+
+  /// The coordinates of a GridCoordinates_t that is not the first.
+  template <typename Real>
+  void readGrid(const GridBlock& block, int grid, Real* points, CGNS_ENUMT(DataType_t) type)
+  {
+    this->check(cg_goto(this->File, this->Base, "Zone_t", this->Zone, "GridCoordinates_t", grid, "end"), "grid");
+    std::array<int, 6> rind{};
+    if (cg_rind_read(rind.data()) != CG_OK)
+    {
+      rind.fill(0);
+    }
+    std::array<Index, 3> stored{};
+    for (int d = 0; d < 3; ++d)
+    {
+      stored[d] = Index(block.counts[d]) + std::max(0, rind[2 * d]) + std::max(0, rind[2 * d + 1]);
+    }
+    int arrays = 0;
+    this->check(cg_narrays(&arrays), "coordinates");
+    std::vector<Real> values;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      bool found = false;
+      for (int a = 1; a <= arrays && !found; ++a)
+      {
+        Name name{};
+        CGNS_ENUMT(DataType_t) own;
+        int dimensions = 0;
+        std::array<cgsize_t, 12> size{};
+        this->check(cg_array_info(a, name.data(), &own, &dimensions, size.data()), "coordinates");
+        if (std::string(name.data()) != Axes[axis])
+        {
+          continue;
+        }
+        found = true;
+        if (dimensions != 3 || size[0] != stored[0] || size[1] != stored[1] || size[2] != stored[2])
+        {
+          this->fail(std::string(Axes[axis]) + " of step " + std::to_string(this->Step) +
+            " has not the size of the zone, " + bsv::toString(block.counts));
+        }
+        values.resize(static_cast<std::size_t>(stored[0] * stored[1] * stored[2]));
+        this->check(cg_array_read_as(a, type, values.data()), Axes[axis]);
+      }
+      if (!found)
+      {
+        this->fail("step " + std::to_string(this->Step) + " of the zone has no " + Axes[axis]);
+      }
+      Real* to = points + axis;
+      for (int k = 0; k < block.counts[2]; ++k)
+      {
+        for (int j = 0; j < block.counts[1]; ++j)
+        {
+          const Real* row = values.data() + rind[0] + stored[0] * (j + rind[2] + stored[1] * (k + rind[4]));
+          for (int i = 0; i < block.counts[0]; ++i, to += 3)
+          {
+            *to = row[i];
+          }
+        }
+      }
+    }
+  }
+
   void readCoordinates(GridBlock& block)
   {
     const bool isFloat = this->checkCoordinates(block);
+    const int grid = this->gridOfStep();
     try
     {
       block.allocate(isFloat, this->Memory);
+      if (grid > 1)
+      {
+        isFloat ? this->readGrid(block, grid, block.floats.get(), CGNS_ENUMV(RealSingle))
+                : this->readGrid(block, grid, block.doubles.get(), CGNS_ENUMV(RealDouble));
+        return;
+      }
       isFloat ? this->readCoordinates(block, block.floats.get(), CGNS_ENUMV(RealSingle))
               : this->readCoordinates(block, block.doubles.get(), CGNS_ENUMV(RealDouble));
     }
@@ -460,6 +617,49 @@ private:
       this->addInterface(own, other, range, donorRange, transform);
     }
     this->Where = zone;
+    this->leaveOutOversets();
+  }
+
+  /// What joins zones otherwise than point to point. Lists of coincident points need no word: the points tell.
+  void leaveOutOversets()
+  {
+    int count = 0;
+    this->check(cg_nconns(this->File, this->Base, this->Zone, &count), "general connectivity");
+    for (int c = 1; c <= count; ++c)
+    {
+      Name name{};
+      Name donor{};
+      CGNS_ENUMT(GridLocation_t) location;
+      CGNS_ENUMT(GridConnectivityType_t) type;
+      CGNS_ENUMT(PointSetType_t) set;
+      CGNS_ENUMT(PointSetType_t) donorSet;
+      CGNS_ENUMT(ZoneType_t) donorType;
+      CGNS_ENUMT(DataType_t) dataType;
+      cgsize_t points = 0;
+      cgsize_t donorPoints = 0;
+      this->check(cg_conn_info(this->File, this->Base, this->Zone, c, name.data(), &location, &type, &set, &points,
+                    donor.data(), &donorType, &donorSet, &dataType, &donorPoints),
+        "general connectivity");
+      if (type != CGNS_ENUMV(Abutting1to1))
+      {
+        this->Left.add("general connectivity left out",
+          this->Where.substr(2) + ", '" + name.data() + "' (" + cg_GridConnectivityTypeName(type) + " with '" +
+            donor.data() + "')");
+      }
+    }
+    this->check(cg_nholes(this->File, this->Base, this->Zone, &count), "holes");
+    for (int h = 1; h <= count; ++h)
+    {
+      Name name{};
+      CGNS_ENUMT(GridLocation_t) location;
+      CGNS_ENUMT(PointSetType_t) set;
+      int sets = 0;
+      cgsize_t points = 0;
+      this->check(
+        cg_hole_info(this->File, this->Base, this->Zone, h, name.data(), &location, &set, &sets, &points), "holes");
+      this->Left.add("holes of overset grids left out, whose cells are converted",
+        this->Where.substr(2) + ", '" + name.data() + "'");
+    }
   }
 
   void addInterface(const DirectedRange& own, const DirectedRange& other, const PointRange& range,
@@ -806,6 +1006,7 @@ private:
   const Execution& Run;
   const Piece Part;
   const BlockMemory& Memory;
+  const int Step;
   int File = 0;
   bool IsOpen = false;
   int Base = 0;
@@ -846,15 +1047,33 @@ bool looksLikeCGNS(const std::string& fileName)
   return text.find("ADF Database Version") == 4 || text.find("\x89HDF\r\n\x1a\n") == 0;
 }
 
-CGNSZones loadCGNS(const std::string& fileName, const Execution& run, const Piece& piece, const BlockMemory& memory)
+CGNSZones loadCGNS(
+  const std::string& fileName, const Execution& run, const Piece& piece, const BlockMemory& memory, int step)
 {
-  return CGNSReader(fileName, run, piece, memory).read();
+  return CGNSReader(fileName, run, piece, memory, step).read();
 }
 
-CGNSZones readCGNS(const std::string& fileName, const Execution& run, const Piece& piece)
+std::vector<double> loadCGNSTimes(const std::string& fileName)
+{
+  return CGNSReader(fileName, {}, {}, {}, 0).times();
+}
+
+std::vector<double> cgnsTimes(const std::string& fileName)
+{
+  try
+  {
+    return loadCGNSTimesApart(fileName);
+  }
+  catch (const Error&)
+  {
+    return {};
+  }
+}
+
+CGNSZones readCGNS(const std::string& fileName, const Execution& run, const Piece& piece, int step)
 {
   CGNSZones zones;
-  run.ranks->together([&] { zones = loadCGNSApart(fileName, run, piece); });
+  run.ranks->together([&] { zones = loadCGNSApart(fileName, run, piece, step); });
   BlockMesh mesh;
   for (const GridBlock& block : zones.blocks)
   {

@@ -27,7 +27,8 @@ struct CGNSZones
   std::vector<std::string> boundaryNames;
   /// BlockMesh::boundaryTypes: the condition's own type, or else that of its family.
   std::vector<std::string> boundaryTypes;
-  /// What was left out, one sentence per kind: boundary conditions that contradict the mesh, bases of other dimensions.
+  /// What was left out, one sentence per kind: boundary conditions that contradict the mesh, bases of other dimensions,
+  /// overset and abutting connectivity, holes.
   std::vector<std::string> warnings;
   /// The interfaces with their places in the file, for checkContacts().
   std::vector<DeclaredContact> contacts;
@@ -36,17 +37,26 @@ struct CGNSZones
 /// Whether the file starts like a CGNS file (ADF or HDF5). Never throws.
 bool looksLikeCGNS(const std::string& fileName);
 
-/// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity says nothing
-/// and is skipped: coincident points tell. The points of contacts are not compared. Not to be called from several
+/// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity is
+/// skipped: coincident points tell. The points of contacts are not compared. Not to be called from several
 /// threads: the CGNS library keeps its state in globals; and a damaged file may end the process in it.
 /// @param memory where the points go
+/// @param step of cgnsTimes(), whose coordinates are read
 /// @throws Error naming file, zone and value: surface or unstructured zones, no or wrong coordinates, contacts whose
 /// transforms or ranges do not fit, damaged files; Aborted.
-CGNSZones loadCGNS(
-  const std::string& fileName, const Execution& run = {}, const Piece& piece = {}, const BlockMemory& memory = {});
+CGNSZones loadCGNS(const std::string& fileName, const Execution& run = {}, const Piece& piece = {},
+  const BlockMemory& memory = {}, int step = 0);
+
+/// The times of the steps of the first base that has BaseIterativeData_t with cells of dimension 3: its TimeValues, or
+/// else its IterationValues, or else 0, 1, ..; none if it has none. Not to be called from several threads.
+/// @throws Error for damaged files
+std::vector<double> loadCGNSTimes(const std::string& fileName);
+
+/// The same in a process of its own; none for damaged files.
+std::vector<double> cgnsTimes(const std::string& fileName);
 
 /// The same in a process of its own (ReaderJobs.h), so that no file ends this one. Collective.
 /// @throws Error for the same, and for contacts whose points do not coincide (see checkContacts); Aborted.
-CGNSZones readCGNS(const std::string& fileName, const Execution& run = {}, const Piece& piece = {});
+CGNSZones readCGNS(const std::string& fileName, const Execution& run = {}, const Piece& piece = {}, int step = 0);
 
 } // namespace bsv

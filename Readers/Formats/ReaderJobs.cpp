@@ -145,7 +145,8 @@ Index pointBytes(const GridBlock& block, bool isFloat)
   return 3 * block.size() * (isFloat ? 4 : 8);
 }
 
-void cgnsJob(const std::string& fileName, const Piece& piece, const Execution& run, const ChildChannel& channel)
+void cgnsJob(
+  const std::string& fileName, const Piece& piece, int step, const Execution& run, const ChildChannel& channel)
 {
   // The descriptor stays open to the end of the process.
   static const SharedFile file(ChildChannel::File);
@@ -158,7 +159,7 @@ void cgnsJob(const std::string& fileName, const Piece& piece, const Execution& r
     return room;
   };
   memory.release = SharedFile::release;
-  const CGNSZones zones = loadCGNS(fileName, run, piece, memory);
+  const CGNSZones zones = loadCGNS(fileName, run, piece, memory, step);
   std::vector<PointPlace> places;
   for (const GridBlock& block : zones.blocks)
   {
@@ -175,6 +176,13 @@ void cgnsJob(const std::string& fileName, const Piece& piece, const Execution& r
   channel.done(archive.take());
 }
 
+void timesJob(const std::string& fileName, const ChildChannel& channel)
+{
+  ArchiveWriter archive;
+  archive(loadCGNSTimes(fileName));
+  channel.done(archive.take());
+}
+
 void cadJob(const std::string& fileName, const std::string& format, double tolerance, const Execution& run,
   const ChildChannel& channel)
 {
@@ -186,14 +194,15 @@ void cadJob(const std::string& fileName, const std::string& format, double toler
 
 } // namespace
 
-CGNSZones loadCGNSApart(const std::string& fileName, const Execution& run, const Piece& piece)
+CGNSZones loadCGNSApart(const std::string& fileName, const Execution& run, const Piece& piece, int step)
 {
   // Reading takes no longer than unpacking 2 MB a second.
-  const auto result = runReader({ "CGNS", fileName, std::to_string(piece.number), std::to_string(piece.count) },
-    fileName, 20.0 + sizeOf(fileName) / 2e6, run);
+  const auto result =
+    runReader({ "CGNS", fileName, std::to_string(piece.number), std::to_string(piece.count), std::to_string(step) },
+      fileName, 20.0 + sizeOf(fileName) / 2e6, run);
   if (!result)
   {
-    CGNSZones zones = loadCGNS(fileName, run, piece);
+    CGNSZones zones = loadCGNS(fileName, run, piece, {}, step);
     zones.warnings.push_back(missingProgram());
     return zones;
   }
@@ -220,6 +229,19 @@ CGNSZones loadCGNSApart(const std::string& fileName, const Execution& run, const
     }
   }
   return zones;
+}
+
+std::vector<double> loadCGNSTimesApart(const std::string& fileName)
+{
+  const auto result = runReader({ "CGNSTimes", fileName, "" }, fileName, 20.0 + sizeOf(fileName) / 2e6, {});
+  if (!result)
+  {
+    return loadCGNSTimes(fileName);
+  }
+  std::vector<double> times;
+  ArchiveReader archive(result->message);
+  archive(times);
+  return times;
 }
 
 NURBSFileContent readCADFileApart(
@@ -269,7 +291,11 @@ int readerProgram(int argumentCount, char** arguments)
     if (job == "CGNS")
     {
       const Piece piece{ std::atoi(arguments[3]), argumentCount > 4 ? std::atoi(arguments[4]) : 1 };
-      cgnsJob(fileName, piece, run, channel);
+      cgnsJob(fileName, piece, argumentCount > 5 ? std::atoi(arguments[5]) : 0, run, channel);
+    }
+    else if (job == "CGNSTimes")
+    {
+      timesJob(fileName, channel);
     }
     else
     {

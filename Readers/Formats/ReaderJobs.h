@@ -14,7 +14,10 @@ namespace bsv
 {
 
 /// loadCGNS() in another process. The points are in memory that both share.
-CGNSZones loadCGNSApart(const std::string& fileName, const Execution& run, const Piece& piece);
+CGNSZones loadCGNSApart(const std::string& fileName, const Execution& run, const Piece& piece, int step = 0);
+
+/// loadCGNSTimes() in another process.
+std::vector<double> loadCGNSTimesApart(const std::string& fileName);
 
 /// readCADFile() in another process.
 NURBSFileContent readCADFileApart(

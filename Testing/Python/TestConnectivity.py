@@ -246,6 +246,81 @@ def test_reflect_and_merge_blocks():
     assert roles(report)["inlet"] >= 1 and "wall below" in roles(report), report
 
 
+WHOLE = [(0, 0, "inlet"), (0, 1, "outlet"), (0, 2, "symmetry"), (0, 4, "wall below")]
+
+
+def whole(place=bent):
+    """The three blocks as one, in the directions in which unstructured cells come back."""
+    return with_names([grid((24, 6, 4), place)], WHOLE)
+
+
+def without_contacts():
+    """The mesh whose neutral map names boundaries only: that blocks meet is found by the points."""
+    folder = tempfile.mkdtemp(dir=FOLDER.name)
+    path = write_mesh(folder)
+    with open(path[:-3] + "nmf") as file:
+        kept = [line for line in file if "ONE_TO_ONE" not in line]
+    with open(path[:-3] + "nmf", "w") as file:
+        file.writelines(kept)
+    reader = simple.HexBlockMeshReader(FileName=path)
+    reader.UpdatePipeline()
+    return reader
+
+
+def test_filters_that_keep_the_structure():
+    for source in (read(), without_contacts()):
+        expect_same(simple.Calculator(Input=source, Function="coordsX*coordsY"), direct([0, 1, 2]))
+        # Moved by a vector: the mesh made there.
+        vector = simple.Calculator(Input=source, Function="8*kHat", ResultArrayName="up")
+        moved = with_names([grid(COUNTS[b], lambda i, j, k, b=b: tuple(
+            x + (8.0 if d == 2 else 0.0) for d, x in enumerate(block_points(b, i, j, k)))) for b in range(3)], NAMES)
+        expect_same(simple.WarpByVector(Input=vector, Vectors=["POINTS", "up"]), moved)
+        transform = simple.Transform(Input=source)
+        transform.Transform.Translate = [0.0, 0.0, 8.0]
+        expect_same(transform, moved)
+
+
+def test_filters_that_make_it_unstructured():
+    expected = bits(convert(whole())[0])
+    for source in (read(), without_contacts()):
+        cells = simple.Calculator(Input=source, Function="1", AttributeType="Cell Data", ResultArrayName="one")
+        append = simple.AppendDatasets(Input=[source])
+        for made in (append, simple.CleantoGrid(Input=append), simple.MergeBlocks(Input=source),
+                     simple.MergeBlocks(Input=source, MergePoints=0),
+                     simple.Threshold(Input=cells, Scalars=["CELLS", "one"], LowerThreshold=0.5, UpperThreshold=2)):
+            data, report, warnings = convert(made)
+            name = made.SMProxy.GetXMLName()
+            assert not warnings, (name, warnings)
+            assert roles(report) == {"inlet": 1, "outlet": 1, "wall below": 1, "symmetry": 1}, (name, report)
+            assert bits(data) == expected, name
+    # A part: the faces that are cut free have no name.
+    half = simple.ExtractCellsByRegion(Input=simple.MergeBlocks(Input=without_contacts()))
+    half.IntersectWith = "Box"
+    half.IntersectWith.Position = [-0.5, -50.0, -50.0]
+    half.IntersectWith.Length = [10.0, 100.0, 100.0]
+    data, report, _ = convert(half)
+    assert {name for name, faces in roles(report).items() if faces} == {"inlet", "wall below", "symmetry"}, report
+
+
+def test_files_of_paraview():
+    # Saved and read back, the blocks still know their names and contacts.
+    source = read()
+    expected = bits(convert(direct([0, 1, 2]))[0])
+    parts = simple.GroupDatasets(Input=[producer(part) for part in blocks(client(source).GetOutputDataObject(0))])
+    for ending, made in (("vtpc", source), ("vtm", parts),
+                         ("vtu", simple.MergeBlocks(Input=source)), ("vtu", simple.MergeBlocks(Input=without_contacts()))):
+        path = os.path.join(FOLDER.name, "saved." + ending)
+        simple.SaveData(path, proxy=made)
+        data, report, warnings = convert(simple.OpenDataFile(path))
+        assert not warnings, (ending, warnings)
+        if ending == "vtu":
+            assert roles(report) == {"inlet": 1, "outlet": 1, "wall below": 1, "symmetry": 1}, (ending, report)
+            assert bits(data) == bits(convert(whole())[0])
+        else:
+            assert roles(report) == {"inlet": 1, "outlet": 1, "wall below": 3, "symmetry": 3}, (ending, report)
+            assert bits(data) == expected, ending
+
+
 def test_extract_surface_is_refused():
     surface = simple.ExtractSurface(Input=read())
     conversion = simple.CatmullClarkToBSplineVolume(Input=surface)

@@ -10,7 +10,9 @@
 #include <vtkCellData.h>
 #include <vtkDataSetAttributes.h>
 #include <vtkIdList.h>
+#include <vtkInformation.h>
 #include <vtkPointData.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkStructuredGrid.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtk_cgns.h>
@@ -297,6 +299,15 @@ TEST(MeshFileHabits, NamesThatPatternsChooseWinOverTypes)
   EXPECT_EQ(selected(bsv::defaultBodyBoundaries()), (std::vector<bool>{ true, false, false, false }));
   EXPECT_EQ(selected({ "outer" }), (std::vector<bool>{ false, false, false, true }));
   EXPECT_EQ(selected({ "no type*", "BCFarfield" }), (std::vector<bool>{ false, true, true, true }));
+  // A pattern that is also one of the default ones is meant as it is written, but for a longer list of the same.
+  const std::vector<std::string> tunnel = { "wall below", "wall of the tunnel" };
+  const std::vector<std::string> kinds = { "BCInflow", "BCFarfield" };
+  EXPECT_TRUE(bsv::isBodyBoundary({ "wall*" }, tunnel, kinds, 0));
+  EXPECT_TRUE(bsv::isBodyBoundary({ "wall*" }, tunnel, kinds, 1));
+  bsv::BoundaryPatterns longer = bsv::defaultBodyBoundaries();
+  longer.emplace_back("*below");
+  EXPECT_TRUE(bsv::isBodyBoundary(longer, tunnel, kinds, 0));
+  EXPECT_FALSE(bsv::isBodyBoundary(longer, tunnel, kinds, 1));
 }
 
 TEST(MeshFileHabits, NumberedConditionsAreNamedByTheirType)
@@ -398,6 +409,21 @@ TEST(MeshFileHabits, ConditionsThatContradictTheMeshAreLeftOut)
         condition(file, 1, "far", CGNS_ENUMV(BCFarfield), { 1, 1, 1, 5, 2, 1 });
       },
       { "'far'", "k min", "'skin'" }, 12 },
+    { "holes of an overset grid",
+      [&](int file) {
+        const cgsize_t box[6] = { 2, 2, 1, 3, 3, 2 };
+        int id = 0;
+        require(cg_hole_write(file, 1, 1, "cut away", CGNS_ENUMV(Vertex), CGNS_ENUMV(PointRange), 1, 2, box, &id));
+      },
+      { "holes", "'zone 1'", "'cut away'" }, 0 },
+    { "overset connectivity",
+      [&](int file) {
+        const cgsize_t box[6] = { 1, 1, 3, 4, 4, 3 };
+        int id = 0;
+        require(cg_conn_write_short(file, 1, 2, "fringe", CGNS_ENUMV(Vertex), CGNS_ENUMV(Overset),
+          CGNS_ENUMV(PointRange), 2, box, "zone 1", &id));
+      },
+      { "general connectivity", "'zone 2'", "'fringe'", "Overset", "'zone 1'" }, 0 },
     // The same in other words needs no warning.
     { "at face centres",
       [&](int file) {
@@ -448,6 +474,89 @@ TEST(MeshFileHabits, BasesOfSurfacesAreLeftOut)
   const Result found = readMesh(folder / "mesh.cgns");
   EXPECT_EQ(found.mesh.blocks.size(), 2u);
   EXPECT_TRUE(mentions(found.warnings, { "base 'skin'", "surface" }));
+}
+
+TEST(MeshFileHabits, StepsOfCGNSHaveTheirOwnCoordinates)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  for (const int rind : { 0, 1 })
+  {
+    const std::string fileName = folder / ("steps" + std::to_string(rind) + ".cgns");
+    writeChanged(
+      mesh, fileName,
+      [&](int file) {
+        const cgsize_t three = 3;
+        const double times[3] = { 0.25, 0.5, 2.0 };
+        require(cg_biter_write(file, 1, "TimeIterValues", 3));
+        require(cg_goto(file, 1, "BaseIterativeData_t", 1, "end"));
+        require(cg_array_write("TimeValues", CGNS_ENUMV(RealDouble), 1, &three, times));
+        for (int zone = 1; zone <= 2; ++zone)
+        {
+          const MeshCase::Block& block = mesh.blocks[zone - 1];
+          int grid = 0;
+          require(cg_grid_write(file, 1, zone, "GridCoordinates#2", &grid));
+          require(cg_goto(file, 1, "Zone_t", zone, "GridCoordinates_t", grid, "end"));
+          // Layers outside of the zone, whose coordinates mean nothing here.
+          const int planes[6] = { rind, 0, 0, 2 * rind, rind, rind };
+          cgsize_t size[3];
+          for (int d = 0; d < 3; ++d)
+          {
+            size[d] = block.counts[d] + planes[2 * d] + planes[2 * d + 1];
+          }
+          if (rind > 0)
+          {
+            require(cg_rind_write(planes));
+          }
+          for (int axis = 0; axis < 3; ++axis)
+          {
+            std::vector<double> values(static_cast<std::size_t>(size[0] * size[1] * size[2]), 1e9);
+            for (std::size_t p = 0; p < block.points.size(); ++p)
+            {
+              const auto i = static_cast<cgsize_t>(p % block.counts[0]) + planes[0];
+              const auto j = static_cast<cgsize_t>(p / block.counts[0] % block.counts[1]) + planes[2];
+              const auto k = static_cast<cgsize_t>(p / block.counts[0] / block.counts[1]) + planes[4];
+              values[i + size[0] * (j + size[1] * k)] = block.points[p][axis] + 10.0 * (axis + 1);
+            }
+            const char* names[3] = { "CoordinateX", "CoordinateY", "CoordinateZ" };
+            require(cg_array_write(names[axis], CGNS_ENUMV(RealDouble), 3, size, values.data()));
+          }
+          require(cg_ziter_write(file, 1, zone, "ZoneIterativeData"));
+          require(cg_goto(file, 1, "Zone_t", zone, "ZoneIterativeData_t", 1, "end"));
+          std::string pointers;
+          for (const char* name : { "GridCoordinates", "GridCoordinates#2", "GridCoordinates" })
+          {
+            pointers += name;
+            pointers.resize((pointers.size() + 31) / 32 * 32, ' ');
+          }
+          const cgsize_t shape[2] = { 32, 3 };
+          require(cg_array_write("GridCoordinatesPointers", CGNS_ENUMV(Character), 2, shape, pointers.data()));
+        }
+      },
+      rind > 0 ? CG_FILE_ADF : CG_FILE_HDF5);
+    Reading reading;
+    reading.reader->SetFileName(fileName.c_str());
+    reading.reader->UpdateInformation();
+    vtkInformation* info = reading.reader->GetOutputInformation(0);
+    ASSERT_EQ(info->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()), 3);
+    EXPECT_EQ(info->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS(), 2), 2.0);
+    for (const double time : { 0.25, 0.5, 1.9, 2.0 })
+    {
+      reading.reader->UpdateTimeStep(time);
+      std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+      const BlockMesh found = bsv::structuredBlocks(reading.reader->GetOutputDataObject(0), grids);
+      ASSERT_EQ(found.blocks.size(), 2u);
+      const double moved = time == 0.5 || time == 1.9 ? 10.0 : 0.0;
+      for (int b = 0; b < 2; ++b)
+      {
+        for (const Ijk& p : { Ijk{ 0, 0, 0 }, Ijk{ 3, 2, 1 }, Ijk{ 3, 3, 2 } })
+        {
+          EXPECT_EQ(found.blocks[b].points(p), bsv::Vec3(mesh.blocks[b].at(p) + moved * bsv::Vec3(1.0, 2.0, 3.0)));
+        }
+      }
+      EXPECT_EQ(found.interfaces.size(), mesh.interfaces.size());
+    }
+  }
 }
 
 //----------------------------------------------------------------------------------------------------------------------
