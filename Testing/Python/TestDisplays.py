@@ -276,7 +276,7 @@ def test_file_dialogs():
         assert description in offered
         for extension in extensions.split():
             assert "*." + extension in offered, extension
-    assert readers.CanReadFile(MESH.FileName, session)
+    assert readers.CanReadFile(MESH.FileName[0], session)
     writers = servermanager.vtkSMProxyManager.GetProxyManager().GetWriterFactory()
     assert "qfmb" in writers.GetSupportedFileTypes(VOLUME.SMProxy, 0)
 

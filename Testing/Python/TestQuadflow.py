@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """vtkQuadflowWriter and vtkQuadflowReader through ParaView: SaveData, OpenDataFile, round trip, options, errors."""
 import contextlib
+import itertools
 import os
 import resource
 import signal
@@ -114,6 +115,24 @@ def test_options():
         table = [line.split() for line in text[text.index("BCTABLE # bc name") + 1:text.index("GEOMETRY")]]
         assert table[1] == ["42", names_of_boundaries[1]] and table[0] == ["1", names_of_boundaries[0]]
         assert content(update(reader(file))[0]) == content(before)
+
+
+def test_read_and_written_again_is_the_same_file():
+    with folder() as path:
+        for number, options in enumerate(itertools.product((0, 1), ("Integer", "Unit"), (0, 1), (0, 1))):
+            base, scaling, separate, binary = options
+            chosen = {"IndexBase": base, "KnotScaling": scaling, "SeparateGeometry": separate, "Binary": binary,
+                      "BoundaryIds": ["symmetry", "42"] if number % 2 else []}
+            saved = []
+            source = DEMO
+            for name in ("first", "second"):
+                os.makedirs(os.path.join(path, name), exist_ok=True)
+                file = os.path.join(path, name, "a.qfmb")
+                simple.SaveData(file, proxy=source, **chosen)
+                source = reader(file)
+                files = [file] + ([file[:-4] + "bsp"] if separate else [])
+                saved.append([open(f, "rb").read() for f in files])
+            assert saved[0] == saved[1], chosen
 
 
 def test_edge_classes():
