@@ -444,6 +444,9 @@ int vtkBSplineVolumeQuality::RequestData(
       total += input.isHere(b) ? static_cast<double>(blocks[b].count()) : 0.0;
     }
 
+    bsv::warn(this,
+      bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), input.boundaryNames,
+        input.boundaryTypes));
     std::vector<std::vector<int>> walls(count);
     const std::vector<bool> isWall = bsv::wallBoundaries(
       vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames, input.boundaryTypes, this->BodyBoundaries, ranks);

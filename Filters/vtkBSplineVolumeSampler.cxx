@@ -2,6 +2,7 @@
 #include "vtkBSplineVolumeSampler.h"
 
 #include "Data/BSplineVolumeData.h"
+#include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
 #include "Execution/MemoryCheck.h"
@@ -143,6 +144,9 @@ int vtkBSplineVolumeSampler::RequestData(
       return;
     }
 
+    warnings = bsv::uselessPatterns(
+      "Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), input.boundaryNames, input.boundaryTypes);
+
     // Levels, and the interfaces that join them.
     bsv::LevelRequest request;
     request.level = this->Level;
@@ -173,7 +177,7 @@ int vtkBSplineVolumeSampler::RequestData(
     if (adaptive)
     {
       const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.0);
-      if (byWall && request.walls.empty())
+      if (byWall && request.walls.empty() && warnings.empty())
       {
         warnings.push_back("Body Boundaries: none of " + bsv::quotedList(this->BodyBoundaries) +
           " is a boundary of the volume, which has " + bsv::quotedList(input.boundaryNames) +

@@ -770,6 +770,9 @@ int vtkBSplineVolumeSmoothness::RequestData(
       interfaces = bsv::findVolumeInterfaces(input.volumes, search, bsv::filterExecution(this, 0.0, 0.1));
     }
 
+    bsv::warn(this,
+      bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), input.boundaryNames,
+        input.boundaryTypes));
     std::vector<bool> wall(6 * input.volumes.size(), false);
     const std::vector<bool> isWall = bsv::wallBoundaries(vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames,
       input.boundaryTypes, this->BodyBoundaries, *bsv::globalRanks());

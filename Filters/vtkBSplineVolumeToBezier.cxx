@@ -2,6 +2,7 @@
 #include "vtkBSplineVolumeToBezier.h"
 
 #include "Data/BSplineVolumeData.h"
+#include "Data/BoundarySelection.h"
 #include "Execution/FilterExecution.h"
 #include "Execution/MemoryCheck.h"
 #include "Volume/BezierExtraction.h"
@@ -97,13 +98,64 @@ void checkMemory(const std::vector<Patch>& patches, const bsv::BSplineVolumeBloc
   bsv::requireMemory(bytes, "the volume", "its Bezier cells");
 }
 
+/// Whether each face of each block is part of the wall; empty if none is. Collective.
+std::vector<bool> wallFaces(const bsv::BSplineVolumeBlocks& input, vtkDataObject* data, const bsv::Ranks& ranks)
+{
+  const std::vector<bool> wall =
+    bsv::wallBoundaries(data, input.boundaryNames, input.boundaryTypes, bsv::defaultBodyBoundaries(), ranks);
+  std::vector<bool> faces;
+  for (const bsv::BoundaryPatch& patch : input.boundaries)
+  {
+    if (wall[patch.tag])
+    {
+      faces.resize(6 * input.volumes.size(), false);
+      faces[6 * std::size_t(patch.block) + patch.face] = true;
+    }
+  }
+  return faces;
+}
+
+/// Leaves out points that belong to no cell.
+void compact(vtkPoints* points, vtkDoubleArray* weights, vtkTypeInt64Array* connectivity)
+{
+  std::vector<vtkIdType> place(static_cast<std::size_t>(points->GetNumberOfPoints()), -1);
+  for (vtkIdType n = 0; n < connectivity->GetNumberOfValues(); ++n)
+  {
+    place[connectivity->GetValue(n)] = 0;
+  }
+  vtkIdType count = 0;
+  for (std::size_t from = 0; from < place.size(); ++from)
+  {
+    if (place[from] == 0)
+    {
+      double x[3];
+      points->GetPoint(static_cast<vtkIdType>(from), x);
+      points->SetPoint(count, x);
+      if (weights->GetNumberOfValues() > 0)
+      {
+        weights->SetValue(count, weights->GetValue(static_cast<vtkIdType>(from)));
+      }
+      place[from] = count++;
+    }
+  }
+  for (vtkIdType n = 0; n < connectivity->GetNumberOfValues(); ++n)
+  {
+    connectivity->SetValue(n, place[connectivity->GetValue(n)]);
+  }
+  points->Resize(count);
+  if (weights->GetNumberOfValues() > 0)
+  {
+    weights->Resize(count);
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
 void vtkBSplineVolumeToBezier::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  static constexpr const char* Names[] = { "Volume", "Outer faces", "All faces" };
+  static constexpr const char* Names[] = { "Volume", "Outer faces", "All faces", "Wall" };
   os << indent << "Cells: " << Names[this->Cells] << "\n";
 }
 
@@ -135,6 +187,11 @@ int vtkBSplineVolumeToBezier::RequestData(
       return;
     }
     const bool faces = this->Cells != VOLUME;
+    const std::vector<bool> wall = this->Cells == WALL
+      ? wallFaces(input, vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks())
+      : std::vector<bool>();
+    const bsv::BezierCells made =
+      this->Cells == WALL ? bsv::BezierCells::OuterFaces : static_cast<bsv::BezierCells>(this->Cells);
 
     // Before anything large is made, as if no point and no face were shared.
     std::vector<Patch> patches;
@@ -152,14 +209,17 @@ int vtkBSplineVolumeToBezier::RequestData(
     }
     bsv::globalRanks()->together([&] { checkMemory(patches, input); });
 
-    const bsv::BezierExtraction extraction(input.volumes, input.hasInterfaces ? &input.interfaces : nullptr,
-      static_cast<bsv::BezierCells>(this->Cells), bsv::filterExecution(this, 0.0, 0.2));
+    const bsv::BezierExtraction extraction(
+      input.volumes, input.hasInterfaces ? &input.interfaces : nullptr, made, bsv::filterExecution(this, 0.0, 0.2));
     if (faces)
     {
       patches.clear();
       for (const bsv::BlockFace& at : extraction.faces())
       {
-        patches.push_back(patchOf(input.volumes[at.block], extraction.spans(at.block), at.block, at.face));
+        if (wall.empty() || wall[6 * std::size_t(at.block) + at.face])
+        {
+          patches.push_back(patchOf(input.volumes[at.block], extraction.spans(at.block), at.block, at.face));
+        }
       }
     }
     vtkIdType cells = 0;
@@ -255,6 +315,10 @@ int vtkBSplineVolumeToBezier::RequestData(
       });
     }
 
+    if (!wall.empty())
+    {
+      compact(points, weights, connectivity);
+    }
     vtkNew<vtkCellArray> cellArray;
     cellArray->SetData(offsets, connectivity);
     output->SetPoints(points);

@@ -49,16 +49,18 @@ public:
   {
     VOLUME = 0,
     OUTER_FACES,
-    ALL_FACES
+    ALL_FACES,
+    WALL
   };
 
   ///@{
   /**
    * Which cells are made: hexahedra of all spans (VOLUME), quadrilaterals of the faces that meet no other
-   * (OUTER_FACES), or of all block faces, those at which two blocks meet once, from the first of them (ALL_FACES).
-   * Default: VOLUME.
+   * (OUTER_FACES), of all block faces, those at which two blocks meet once, from the first of them (ALL_FACES), or of
+   * the faces of the wall (WALL): as the conversion took it, else by the usual names of walls; OUTER_FACES if there is
+   * none. Default: VOLUME.
    */
-  vtkSetClampMacro(Cells, int, VOLUME, ALL_FACES);
+  vtkSetClampMacro(Cells, int, VOLUME, WALL);
   vtkGetMacro(Cells, int);
   ///@}
 

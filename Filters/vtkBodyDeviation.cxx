@@ -13,11 +13,13 @@
 #include "Volume/Sampling.h"
 
 #include "vtkCellArray.h"
+#include "vtkCellData.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataAssembly.h"
 #include "vtkDataObject.h"
 #include "vtkDataObjectTree.h"
 #include "vtkDataObjectTreeIterator.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
@@ -529,6 +531,19 @@ Totals bodySamples(vtkPolyData* surface, int owner, const bsv::BodySurface& body
     totals[0] =
       samples.total({ 0, surface->GetNumberOfPoints() }, { 0, surface->GetPolys()->GetNumberOfCells() }, covered);
     surface->GetPointData()->AddArray(covered);
+    // Where the body goes on beyond the wall its distance says nothing: not shown.
+    vtkNew<vtkUnsignedCharArray> hidden;
+    hidden->SetName(vtkDataSetAttributes::GhostArrayName());
+    hidden->SetNumberOfValues(surface->GetNumberOfPolys());
+    for (vtkIdType c = 0; c < surface->GetNumberOfPolys(); ++c)
+    {
+      vtkIdType size = 0;
+      const vtkIdType* ids = nullptr;
+      surface->GetPolys()->GetCellAtId(c, size, ids);
+      const bool shown = std::all_of(ids, ids + size, [&](vtkIdType i) { return covered->GetValue(i) != 0; });
+      hidden->SetValue(c, shown ? 0 : vtkDataSetAttributes::HIDDENCELL);
+    }
+    surface->GetCellData()->AddArray(hidden);
   }
   ranks.share(totals, [&](Index) { return owner; });
   return totals[0];
@@ -549,23 +564,49 @@ vtkDataObject* bodyOfConversion(vtkAlgorithm* filter)
   return nullptr;
 }
 
-/// Where the wall is farthest from the body. Collective.
-std::string placeOfMaximum(vtkPolyData* wall, const bsv::Ranks& ranks)
+/// Where the wall is farthest from the body, and the normal of the body there. Collective.
+struct Place
+{
+  double distance = -1.0;
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+};
+
+Place placeOfMaximum(vtkPolyData* wall, const bsv::Ranks& ranks)
 {
   vtkDataArray* distances = wall->GetPointData()->GetArray("Distance");
-  std::array<double, 4> worst{ -1.0, 0.0, 0.0, 0.0 };
+  vtkDataArray* normals = wall->GetPointData()->GetArray("SurfaceNormal");
+  using Seven = std::array<double, 7>;
+  Seven worst{ -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
   for (vtkIdType n = 0; distances && n < distances->GetNumberOfTuples(); ++n)
   {
-    std::array<double, 4> here{ distances->GetTuple1(n), 0.0, 0.0, 0.0 };
+    Seven here{ distances->GetTuple1(n) };
     wall->GetPoint(n, here.data() + 1);
+    normals->GetTuple(n, here.data() + 4);
     worst = std::max(worst, here);
   }
-  for (const std::array<double, 4>& other : ranks.gatherAll(std::vector<std::array<double, 4>>{ worst }))
+  for (const Seven& other : ranks.gatherAll(std::vector<Seven>{ worst }))
   {
     worst = std::max(worst, other);
   }
-  return "farthest at " + bsv::shortNumber(worst[1]) + ' ' + bsv::shortNumber(worst[2]) + ' ' +
-    bsv::shortNumber(worst[3]) + '\n';
+  return { worst[0], Vec3(worst.data() + 1), Vec3(worst.data() + 4) };
+}
+
+/// A pin at the place: a point, and a line that stands out from the wall.
+void setPin(vtkPolyData* output, const Place& place, const bsv::BodySurface& wall)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  const double length = 0.15 * wall.size();
+  points->InsertNextPoint(place.point.data());
+  points->InsertNextPoint(Vec3(place.point + length * place.normal.normalized()).data());
+  vtkNew<vtkCellArray> verts, lines;
+  verts->InsertNextCell({ 0 });
+  lines->InsertNextCell({ 0, 1 });
+  output->SetPoints(points);
+  output->SetVerts(verts);
+  output->SetLines(lines);
+  setNumber(output, "MaximumDistance", place.distance);
 }
 
 /// Null parts are on other ranks.
@@ -594,7 +635,7 @@ void setParts(vtkPartitionedDataSetCollection* output, vtkPolyData* wall, vtkPol
 vtkBodyDeviation::vtkBodyDeviation()
 {
   this->SetNumberOfInputPorts(2);
-  this->SetNumberOfOutputPorts(2);
+  this->SetNumberOfOutputPorts(3);
 }
 
 //------------------------------------------------------------------------------
@@ -641,7 +682,8 @@ int vtkBodyDeviation::FillInputPortInformation(int port, vtkInformation* info)
 //------------------------------------------------------------------------------
 int vtkBodyDeviation::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPartitionedDataSetCollection" : "vtkTable");
+  static const char* const types[] = { "vtkPartitionedDataSetCollection", "vtkTable", "vtkPolyData" };
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), types[port]);
   return 1;
 }
 
@@ -653,11 +695,13 @@ int vtkBodyDeviation::RequestData(
   vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
   vtkDataObject* bodyData = given ? given : bodyOfConversion(this);
   auto* verdict = vtkTable::GetData(outputVector, 1);
-  if (!output || !verdict)
+  auto* pin = vtkPolyData::GetData(outputVector, 2);
+  if (!output || !verdict || !pin)
   {
     vtkErrorMacro("Output is missing.");
     return 0;
   }
+  pin->Initialize();
   this->Report.clear();
   bsv::setText(verdict, "");
   this->MaximumDistance = this->RMSDistance = this->MaximumNormalDeviation = this->HausdorffDistance = 0.0;
@@ -684,6 +728,9 @@ int vtkBodyDeviation::RequestData(
         bsv::quotedList(input.boundaryNames));
     }
 
+    bsv::warn(this,
+      bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), input.boundaryNames,
+        input.boundaryTypes));
     // Every rank has both surfaces.
     const std::vector<bsv::BodyPatch> bodyPatches = bsv::bodyPatches(bodyData, ranks);
     std::vector<bsv::BodyPatch> wallPatches;
@@ -741,8 +788,14 @@ int vtkBodyDeviation::RequestData(
       " apart (length unit of the mesh), " + bsv::shortNumber(this->RMSDistance) + " in the mean square\n" +
       "Normals: at most " + bsv::shortNumber(this->MaximumNormalDeviation) + " degrees apart";
     bsv::setText(verdict, text);
+    const Place farthest = placeOfMaximum(wallData, ranks);
+    if (ranks.rank() == 0)
+    {
+      setPin(pin, farthest, *wall);
+    }
     this->Report = text + "\nHausdorff distance, over the samples: " + bsv::shortNumber(this->HausdorffDistance) +
-      '\n' + placeOfMaximum(wallData, ranks) + std::to_string(faces.size()) + " faces of the wall, " +
+      "\nfarthest at " + bsv::shortNumber(farthest.point[0]) + ' ' + bsv::shortNumber(farthest.point[1]) + ' ' +
+      bsv::shortNumber(farthest.point[2]) + '\n' + std::to_string(faces.size()) + " faces of the wall, " +
       std::to_string(bodyPatches.size()) + " patches of the body\n";
   });
 }

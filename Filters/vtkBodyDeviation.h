@@ -23,7 +23,8 @@
  * `SurfaceNormal` (unit, outward) and `SecondFundamentalForm` (L, M, N with respect to u, v and that normal), three
  * doubles each; of `Body` `Covered` (unsigned char): 0 where the body goes on beyond the border of
  * the wall, as behind a symmetry plane or if the mesh covers a part only; the closest point then lies on the wall's
- * outer border and is seen at more than 45 degrees from the normal there. These points count in no total.
+ * outer border and is seen at more than 45 degrees from the normal there. These points count in no total, and their
+ * cells are hidden (`vtkGhostType`).
  *
  * Field data of both parts: `MaximumDistance`, `RMSDistance` (root of the mean square, by area) and
  * `MaximumNormalDeviation` (degrees). Field data of the collection: the same three of the wall, and
@@ -31,6 +32,8 @@
  * over samples.
  *
  * Output port 1 (`Verdict`): a vtkTable with one row and the column `Text`, as ParaView shows it in the view.
+ * Output port 2 (`Farthest`): a pin where the wall is farthest from the body, on the first rank: a point of the wall
+ * and a line off it. Field data: `MaximumDistance`.
  *
  * On several ranks each gives the wall of its own blocks, and the rank that has the tessellation (the lowest, if
  * several have it) the body; totals are those of all, the same bits for any distribution. The body's patches may be on

@@ -14,6 +14,7 @@
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
 #include "Wall/BodyFit.h"
+#include "Wall/FacesOnBody.h"
 
 #include "vtkDataObject.h"
 #include "vtkDataSetAttributes.h"
@@ -71,6 +72,19 @@ int addBodyFaces(bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& fa
       { block, face, { { 0, 0 }, { counts[bsv::faceAxis(face, 0)] - 1, counts[bsv::faceAxis(face, 1)] - 1 } }, tag });
   }
   return tag;
+}
+
+/// "2 faces, 'a' k min; 'b' i max": the first few.
+std::string faceList(const bsv::BlockMesh& mesh, const std::vector<std::array<int, 2>>& faces)
+{
+  static constexpr const char* Sides[6] = { "i min", "i max", "j min", "j max", "k min", "k max" };
+  constexpr std::size_t Most = 12;
+  std::string text = std::to_string(faces.size()) + (faces.size() == 1 ? " face" : " faces");
+  for (std::size_t n = 0; n < std::min(faces.size(), Most); ++n)
+  {
+    text += (n == 0 ? ", " : "; ") + ("'" + mesh.blocks[faces[n][0]].name + "' ") + Sides[faces[n][1]];
+  }
+  return text + (faces.size() > Most ? "; ..." : "");
 }
 
 /// The crease lines of a mesh in the control nets of its converted blocks, which may be pieces of those of the mesh:
@@ -218,7 +232,11 @@ WallPoints takeWallPoints(const bsv::BlockComplex& complex, const bsv::Conversio
   {
     throw bsv::Error(std::string(options.body ? "there is a Body" : "Input Points is OnBody or LeastSquares") +
       ", but no boundary of the mesh is part of it: Body Boundaries are " + bsv::quotedList(patterns) +
-      ", the mesh has the boundaries " + bsv::quotedList(complex.boundaryNames));
+      ", the mesh has the boundaries " + bsv::quotedList(complex.boundaryNames) +
+      (complex.boundaryNames.empty() && options.body
+          ? ", and no block face lies on the Body (is the length unit the same?)"
+          : "") +
+      "; Body Faces chooses block faces");
   }
 
   WallPoints result;
@@ -719,9 +737,29 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     {
       throw bsv::Error("Input is a B-spline volume already; only meshes are converted");
     }
-    const int selected = this->BodyFaces.empty() ? -1 : addBodyFaces(mesh, this->BodyFaces);
+
+    // The body.
+    std::unique_ptr<const bsv::BodySurface> body;
+    vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
+    if (ranks.any(given != nullptr))
+    {
+      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, ranks);
+      ranks.together([&] {
+        bsv::Execution alone = execution(0.0, 0.1);
+        alone.ranks = bsv::aloneRank();
+        body = std::make_unique<bsv::BodySurface>(patches, alone);
+      });
+    }
+
+    // Without names the body tells which faces are its wall.
+    const std::vector<std::array<int, 2>> found = body && this->BodyFaces.empty() && mesh.boundaryNames.empty()
+      ? bsv::facesOnBody(mesh, *body, execution(0.1, 0.1))
+      : std::vector<std::array<int, 2>>();
+    const std::vector<std::array<int, 2>>& bodyFaces = found.empty() ? this->BodyFaces : found;
+    const int selected = bodyFaces.empty() ? -1 : addBodyFaces(mesh, bodyFaces);
 
     bsv::ConversionOptions options;
+    options.body = body.get();
     std::vector<vtkSmartPointer<vtkDoubleArray>> surfaceData;
     const auto surfaceArray = [&](std::size_t b, const char* name, int components) -> const double* {
       if (!meshGrids[b])
@@ -751,20 +789,6 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         ", but no block of the mesh has such a name; the first one is '" + mesh.blocks[0].name + "'");
     }
 
-    // The body.
-    std::unique_ptr<const bsv::BodySurface> body;
-    vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
-    if (ranks.any(given != nullptr))
-    {
-      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, ranks);
-      ranks.together([&] {
-        bsv::Execution alone = execution(0.0, 0.1);
-        alone.ranks = bsv::aloneRank();
-        body = std::make_unique<bsv::BodySurface>(patches, alone);
-      });
-      options.body = body.get();
-    }
-
     // The complex.
     bsv::BlockComplexOptions complexOptions;
     complexOptions.matchTolerance = this->MatchTolerance;
@@ -786,6 +810,10 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     if (!this->AllowOpenInterior)
     {
       bsv::refuseSuspicious(mesh, diagnosis);
+    }
+    if (!found.empty())
+    {
+      complex.notes.push_back("wall found by the body: " + faceList(mesh, found));
     }
     for (const bsv::MeshFinding& finding : diagnosis.findings)
     {

@@ -6,6 +6,7 @@
 #include "Complex/CreaseEdges.h"
 #include "Complex/EntityClass.h"
 #include "Complex/MeshDoctor.h"
+#include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
 #include "Data/NURBSSurfaceData.h"
 #include "Execution/FilterExecution.h"
@@ -129,7 +130,6 @@ public:
     {
       part->GetCellData()->AddArray(array);
     }
-    part->GetCellData()->SetActiveScalars("Valence");
     return part;
   }
 
@@ -661,6 +661,9 @@ int vtkHexBlockTopology::RequestData(
     this->NumberOfComponents = diagnosis.components;
     this->NumberOfFindings = static_cast<int>(diagnosis.findings.size());
     bsv::warn(this, warnings);
+    bsv::warn(this,
+      bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), complex.boundaryNames,
+        complex.boundaryTypes));
     this->UpdateProgress(1.0);
   });
 }

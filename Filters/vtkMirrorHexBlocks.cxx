@@ -2,6 +2,7 @@
 #include "vtkMirrorHexBlocks.h"
 
 #include "Data/BlockTags.h"
+#include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
 #include "Mesh/BlockSurface.h"
@@ -438,6 +439,9 @@ int vtkMirrorHexBlocks::RequestData(
     }
     this->Report = text.str();
     bsv::warn(this, mesh.warnings);
+    bsv::warn(this,
+      bsv::uselessPatterns("Symmetry Boundaries", this->SymmetryBoundaries, bsv::defaultSymmetryBoundaries(),
+        mesh.boundaryNames, mesh.boundaryTypes));
     this->UpdateProgress(1.0);
   });
 }

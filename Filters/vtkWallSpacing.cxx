@@ -3,7 +3,9 @@
 
 #include "Complex/BlockComplex.h"
 #include "Data/BlockTags.h"
+#include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
+#include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
 #include "Wall/WallSpacing.h"
@@ -22,6 +24,7 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkStructuredGrid.h"
+#include "vtkTable.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -119,6 +122,7 @@ void setSurface(vtkPolyData* surface, const bsv::BlockComplex& complex, const bs
   data->AddArray(namedArray<vtkDoubleArray>("CellGrowth", wall.growth));
   data->AddArray(namedArray<vtkIntArray>("ReachingLevel", wall.reachingLevel));
   data->AddArray(namedArray<vtkUnsignedCharArray>("TargetAllowed", wall.allowed));
+  data->SetActiveScalars("YPlus");
 }
 
 /// Adds the wall's arrays to copies of the blocks that have a wall.
@@ -216,7 +220,7 @@ std::string reportText(const bsv::FlowConditions& flow, const bsv::WallSpacingRe
 //------------------------------------------------------------------------------
 vtkWallSpacing::vtkWallSpacing()
 {
-  this->SetNumberOfOutputPorts(2);
+  this->SetNumberOfOutputPorts(3);
 }
 
 //------------------------------------------------------------------------------
@@ -265,7 +269,8 @@ int vtkWallSpacing::FillInputPortInformation(int, vtkInformation* info)
 //------------------------------------------------------------------------------
 int vtkWallSpacing::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPartitionedDataSetCollection" : "vtkPolyData");
+  static const char* const types[] = { "vtkPartitionedDataSetCollection", "vtkPolyData", "vtkTable" };
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), types[port]);
   return 1;
 }
 
@@ -275,12 +280,14 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
   vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
   auto* surface = vtkPolyData::GetData(outputVector, 1);
-  if (!input || !output || !surface)
+  auto* verdict = vtkTable::GetData(outputVector, 2);
+  if (!input || !output || !surface || !verdict)
   {
     vtkErrorMacro("Input or output is missing.");
     return 0;
   }
   surface->Initialize();
+  bsv::setText(verdict, "");
   this->NumberOfWallPoints = this->NumberOfPointsOnTarget = 0;
   std::fill_n(this->YPlusRange, 2, 0.0);
   std::fill_n(this->WallSpacingRange, 2, 0.0);
@@ -318,6 +325,13 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
         bsv::quotedList(this->BodyBoundaries) + ", the mesh has the boundaries " +
         bsv::quotedList(complex.boundaryNames));
     }
+
+    bsv::warn(this,
+      bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), complex.boundaryNames,
+        complex.boundaryTypes));
+    bsv::warn(this,
+      bsv::uselessPatterns("Symmetry Boundaries", this->SymmetryBoundaries, bsv::defaultSymmetryBoundaries(),
+        complex.boundaryNames, complex.boundaryTypes));
 
     bsv::WallSpacingOptions options;
     options.flow.reynoldsNumber = this->ReynoldsNumber;
@@ -364,10 +378,11 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
 
     this->NumberOfWallPoints = static_cast<vtkIdType>(wall.wallPoints);
     this->NumberOfPointsOnTarget = static_cast<vtkIdType>(wall.reached);
-    if (!wall.warning.empty())
-    {
-      bsv::warn(this, { wall.warning });
-    }
+    bsv::setText(verdict,
+      "First cells off the wall: y+ " + bsv::shortNumber(this->YPlusRange[0]) + " to " +
+        bsv::shortNumber(this->YPlusRange[1]) + " at Level " + std::to_string(this->Level) + "\nTarget y+ " +
+        bsv::shortNumber(this->TargetYPlus) + ": reached within 1 % at " + std::to_string(wall.reached) + " of " +
+        std::to_string(wall.wallPoints) + " points of the wall" + (wall.warning.empty() ? "" : ", see the report"));
   });
 }
 

@@ -31,7 +31,9 @@
  * y+ = y Re sqrt(c_f / 2) / L. `FirstCellHeight` is y, the length of the cell's edge off the wall;
  * `CellsInBoundaryLayer` counts sampled cells up to delta, the last one in part. Lengths are in the unit of the mesh.
  *
- * Field data of both outputs, one value each. Free stream of a perfect gas with gamma = 1.4, in SI units:
+ * Output port 2: the verdict, a vtkTable with one row and the column `Text`, as ParaView shows it in the view.
+ *
+ * Field data of the first two outputs, one value each. Free stream of a perfect gas with gamma = 1.4, in SI units:
  * `ReferenceSoundSpeed` (m/s), `ReferenceVelocity` (m/s), `ReferenceViscosity` (Pa s), `ReferenceDensity` (kg/m^3),
  * `ReferencePressure` (Pa), `ReferenceConductivity` (W/(m K)), `ReferenceTime` (s). Coefficients of the Navier-Stokes
  * equations made dimensionless with density, velocity, length, temperature and viscosity of the free stream:
@@ -41,7 +43,7 @@
  * On several ranks each gives the blocks that it was given, and their part of the wall; counts, ranges and the report
  * are those of all.
  *
- * Where the target would need cells that grow faster than MaximumGrowth, c goes as far as they allow, and a warning
+ * Where the target would need cells that grow faster than MaximumGrowth, c goes as far as they allow, and the report
  * says which level or how many layers would reach it. An empty input gives empty outputs; a mesh without a wall is an
  * error.
  *

@@ -57,7 +57,7 @@ JoinVerdict joinVerdict(vtkDataObject* volume, const std::vector<bool>& wall, co
       const bool isGap = join.rankedBy() == JumpKind::Gap;
       verdict.worst = shortNumber(jump.value) + (isGap ? " wide" : " degrees") + " at " + shortNumber(jump.point[0]) +
         ' ' + shortNumber(jump.point[1]) + ' ' + shortNumber(jump.point[2]) + ", " + blocks.names[join.sides[0].block] +
-        '|' + blocks.names[join.sides[1].block];
+        " / " + blocks.names[join.sides[1].block];
     }
   }
   run.report(1.0);

@@ -25,7 +25,8 @@ struct JoinVerdict
   Index expected = 0;
   /// Largest gap of all joins, in the length unit of the volume.
   double gap = 0.0;
-  /// Of the worst defect: kink or gap, "1.2 degrees at x y z, block|block".
+  /// Of the worst defect: kink or gap, "1.2 degrees at x y z, block / block"; a bar would begin a column in VTK's
+  /// texts.
   std::string worst;
 };
 

@@ -23,9 +23,12 @@
 #include "vtkIdTypeArray.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkPolyDataNormals.h"
+#include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -43,14 +46,16 @@ namespace
 
 constexpr std::array<double, 3> CreaseColor{ 0.05, 0.05, 0.05 };
 constexpr std::array<double, 3> NodeColor{ 0.95, 0.85, 0.1 };
+/// That of all nets: vtkBlockPartsRepresentation.cxx.
+constexpr std::array<double, 3> BlockEdgeColor{ 0.52, 0.55, 0.62 };
 
-/// Told apart also by those who do not see red and green alike.
+/// Told apart also by those who do not see red and green alike, and from the yellow to red of jumps.
 std::array<double, 3> valenceColor(int valence)
 {
   switch (valence)
   {
     case 3:
-      return { 0.84, 0.37, 0.0 };
+      return { 0.58, 0.2, 0.75 };
     case 5:
       return { 0.0, 0.45, 0.7 };
     case 6:
@@ -763,7 +768,8 @@ std::vector<Vec3> edgeCurve(const BSplineVolume& volume, int edge, int parts)
 }
 
 /// What of the curves is in reach. Collective.
-std::vector<BlockParts::Entry> legendOf(const Model& model, const std::vector<std::array<double, 3>>& drawn)
+std::vector<BlockParts::Entry> legendOf(
+  const Model& model, const std::vector<std::array<double, 3>>& drawn, const BlockPartsOptions& options)
 {
   std::vector<BlockParts::Entry> all, legend;
   for (const auto& [valence, count] : model.valences)
@@ -772,6 +778,10 @@ std::vector<BlockParts::Entry> legendOf(const Model& model, const std::vector<st
   }
   all.push_back({ "singular node", NodeColor });
   all.push_back({ "crease", CreaseColor });
+  if (options.blockEdges)
+  {
+    legend.push_back({ "block edge", BlockEdgeColor });
+  }
   for (const BlockParts::Entry& entry : all)
   {
     if (model.ranks->any(std::find(drawn.begin(), drawn.end(), entry.color) != drawn.end()))
@@ -877,6 +887,7 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
     complex = looseBlocks(mesh);
   }
   Model model = meshModel(complex, ranks);
+  model.roles = rolesOf(input, ranks);
   const auto cellsOf = [&](int b) {
     const ComplexBlock& block = complex.blocks[b];
     return Ijk{ block.cells(0), block.cells(1), block.cells(2) };
@@ -991,7 +1002,7 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
       [&](
         const Node& node) { return complex.blocks[node.block].points(cornerPoint(cellsOf(node.block), node.corner)); });
   });
-  parts.legend = legendOf(model, drawn);
+  parts.legend = legendOf(model, drawn, options);
   parts.wallText = model.wallText;
 }
 
@@ -1139,7 +1150,167 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
         return evaluate(block, uvw);
       });
   });
-  parts.legend = legendOf(model, drawn);
+  parts.legend = legendOf(model, drawn, options);
+  parts.wallText = model.wallText;
+}
+
+//------------------------------------------------------------------------------
+// Block complexes: the output of vtkHexBlockTopology
+//------------------------------------------------------------------------------
+
+vtkPolyData* partOf(vtkDataObject* input, unsigned int part)
+{
+  auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(input);
+  return collection && part < collection->GetNumberOfPartitionedDataSets() &&
+      collection->GetNumberOfPartitions(part) > 0
+    ? vtkPolyData::SafeDownCast(collection->GetPartition(part, 0))
+    : nullptr;
+}
+
+std::vector<std::string> fieldStrings(vtkDataObject* input, const char* name)
+{
+  std::vector<std::string> values;
+  auto* array = vtkStringArray::SafeDownCast(input->GetFieldData()->GetAbstractArray(name));
+  for (vtkIdType n = 0; array && n < array->GetNumberOfValues(); ++n)
+  {
+    values.push_back(array->GetValue(n));
+  }
+  return values;
+}
+
+bool isComplex(vtkDataObject* input, const Ranks& ranks)
+{
+  return ranks.any(input && input->GetFieldData()->HasArray("ClassNames") && partOf(input, 2));
+}
+
+/// Value of a cell array, or -1.
+int cellValue(vtkPolyData* data, const char* name, vtkIdType cell)
+{
+  vtkDataArray* array = data->GetCellData()->GetArray(name);
+  return array ? static_cast<int>(array->GetTuple1(cell)) : -1;
+}
+
+void complexParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions& options, const Execution& run)
+{
+  const Ranks& ranks = *run.ranks;
+  Model model;
+  model.ranks = &ranks;
+  const std::vector<std::string> names = fieldStrings(input, "BoundaryNames");
+  std::vector<std::string> types = fieldStrings(input, "BoundaryTypes");
+  types.resize(names.size());
+  vtkPolyData* faces = partOf(input, 2);
+  std::vector<vtkIdType> outer, wall;
+  for (vtkIdType cell = 0; faces && cell < faces->GetNumberOfCells(); ++cell)
+  {
+    const int tag = cellValue(faces, "BoundaryTag", cell);
+    if (cellValue(faces, "Class", cell) == static_cast<int>(EntityClass::Boundary))
+    {
+      outer.push_back(cell);
+      if (tag >= 0 && tag < static_cast<int>(names.size()) &&
+        selectsBoundary(defaultBodyBoundaries(), defaultBodyBoundaries(), names, types, tag))
+      {
+        wall.push_back(cell);
+      }
+    }
+  }
+  const bool named = ranks.any(!wall.empty());
+  model.wallText = named ? "wall" : "outer faces";
+  vtkNew<vtkPolyData> surface;
+  Eigen::AlignedBox3d box;
+  if (faces)
+  {
+    vtkNew<vtkPolyData> chosen;
+    chosen->SetPoints(faces->GetPoints());
+    vtkNew<vtkCellArray> quads;
+    vtkNew<vtkIdTypeArray> source;
+    source->SetName("SourceCell");
+    chosen->GetCellData()->CopyAllocate(faces->GetCellData());
+    for (const vtkIdType cell : named ? wall : outer)
+    {
+      vtkIdType count = 0;
+      const vtkIdType* ids = nullptr;
+      faces->GetCellPoints(cell, count, ids);
+      for (vtkIdType n = 0; n < count; ++n)
+      {
+        Vec3 x;
+        faces->GetPoint(ids[n], x.data());
+        box.extend(x);
+      }
+      if (options.wall)
+      {
+        chosen->GetCellData()->CopyData(faces->GetCellData(), cell, quads->InsertNextCell(count, ids));
+        source->InsertNextValue(cell);
+      }
+    }
+    chosen->SetPolys(quads);
+    chosen->GetCellData()->AddArray(source);
+    vtkNew<vtkPolyDataNormals> normals;
+    normals->SetInputData(chosen);
+    normals->SplittingOff();
+    normals->ConsistencyOff();
+    normals->Update();
+    surface->ShallowCopy(normals->GetOutput());
+  }
+  box = sharedBox(box, ranks);
+  auto* tree = vtkDataObjectTree::SafeDownCast(input);
+  auto result = vtkSmartPointer<vtkDataObjectTree>::Take(tree->NewInstance());
+  result->CopyStructure(tree);
+  auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
+  leaves->VisitOnlyLeavesOn();
+  leaves->TraverseSubTreeOn();
+  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
+  {
+    vtkNew<vtkPolyData> none;
+    result->SetDataSetFrom(leaves, leaves->GetCurrentDataObject() == faces ? surface.Get() : none.Get());
+  }
+  parts.surfaces = result;
+
+  LineBuilder nets, curves;
+  nets.limit(box, options.reach);
+  curves.limit(box, options.reach);
+  const auto visit = [&](vtkPolyData* data, const auto& each) {
+    for (vtkIdType cell = 0; data && cell < data->GetNumberOfCells(); ++cell)
+    {
+      vtkIdType count = 0;
+      const vtkIdType* ids = nullptr;
+      data->GetCellPoints(cell, count, ids);
+      std::vector<Vec3> points(static_cast<std::size_t>(count));
+      for (vtkIdType n = 0; n < count; ++n)
+      {
+        data->GetPoint(ids[n], points[n].data());
+      }
+      each(static_cast<EntityClass>(cellValue(data, "Class", cell)), cellValue(data, "Valence", cell), points);
+    }
+  };
+  std::vector<int> valences;
+  visit(partOf(input, 1), [&](EntityClass what, int valence, const std::vector<Vec3>& points) {
+    const bool extraordinary = what == EntityClass::Extraordinary;
+    if (extraordinary ? options.extraordinaryCurves : what == EntityClass::Crease && options.creases)
+    {
+      curves.line(points, extraordinary ? valenceColor(valence) : CreaseColor);
+    }
+    else if (options.blockEdges)
+    {
+      nets.line(points, BlockEdgeColor);
+    }
+    if (extraordinary)
+    {
+      valences.push_back(valence);
+    }
+  });
+  visit(partOf(input, 0), [&](EntityClass what, int, const std::vector<Vec3>& points) {
+    if (what == EntityClass::Singular && options.extraordinaryCurves)
+    {
+      curves.node(points.front(), NodeColor);
+    }
+  });
+  for (const int valence : ranks.gatherAll(valences))
+  {
+    ++model.valences[valence];
+  }
+  parts.nets = nets.build();
+  parts.curves = curves.build();
+  parts.legend = legendOf(model, curves.colors(), options);
   parts.wallText = model.wallText;
 }
 
@@ -1151,7 +1322,11 @@ BlockParts blockParts(vtkDataObject* input, const BlockPartsOptions& options, co
   parts.isVolume = isVolume(input, *run.ranks);
   try
   {
-    if (parts.isVolume)
+    if (isComplex(input, *run.ranks))
+    {
+      complexParts(parts, input, options, run);
+    }
+    else if (parts.isVolume)
     {
       volumeParts(parts, input, options, run);
     }

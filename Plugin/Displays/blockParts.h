@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * What is worth seeing of a block mesh or of a B-spline volume: the wall as a surface, nets of other boundaries as
- * lines, extraordinary curves, creases and singular nodes. Everything else, the skins of the blocks among it, is left
- * out, so that the cost of drawing is that of the wall.
+ * What is worth seeing of a block mesh, a B-spline volume or a block complex: the wall as a surface, nets of other
+ * boundaries as lines, extraordinary curves, creases and singular nodes. Everything else, the skins of the blocks among
+ * it, is left out, so that the cost of drawing is that of the wall.
  */
 #ifndef blockParts_h
 #define blockParts_h
@@ -61,7 +61,7 @@ struct BlockParts
 };
 
 /// Collective. What is wrong with the input is not told here but by the filters: of blocks that do not fit together all
-/// faces are shown that are not known to meet another one, without curves; of what is neither mesh nor volume, nothing.
+/// faces are shown that are not known to meet another one, without curves; of anything else, nothing.
 BlockParts blockParts(vtkDataObject* input, const BlockPartsOptions& options, const Execution& run);
 
 } // namespace bsv

@@ -92,7 +92,7 @@ def worst_difference(cells, samples, volumes):
 
 
 def test_properties():
-    assert simple.BSplineVolumeToBezierCells(Input=DEMO).Cells == "Outer Faces"
+    assert simple.BSplineVolumeToBezierCells(Input=DEMO).Cells == "Wall"
 
 
 def test_vtk_evaluates_the_volume():
@@ -151,6 +151,19 @@ def test_demo_is_welded():
     assert skin.GetNumberOfCells() == outer
     # A closed surface of quadrilaterals: 2 E = 4 F, and its Euler number is even.
     assert (skin.GetNumberOfPoints() - outer * 4 - 2 * (2 * outer)) - 2 * outer + outer in (0, 2, 4)
+
+    # The wall is that part of the skin, with the points of its cells only; without names it is all of the skin.
+    wall, _ = update(bezier(DEMO, Cells="Wall"))
+    wall_tag = field(before, "BoundaryNames").index("WALL")
+    of_wall = {tuple(map(int, row[:2])) for row in field(before, "Boundaries") if row[2] == wall_tag}
+    owners = list(zip(*(values(skin.GetCellData().GetArray(name)) for name in ("BlockId", "FaceId"))))
+    kept = [n for n, owner in enumerate(owners) if tuple(map(int, owner)) in of_wall]
+    assert 0 < wall.GetNumberOfCells() == len(kept) < outer
+    for n, cell in enumerate(kept):
+        ids, others = wall.GetCell(n).GetPointIds(), skin.GetCell(cell).GetPointIds()
+        assert all(wall.GetPoint(ids.GetId(p)) == skin.GetPoint(others.GetId(p)) for p in range(ids.GetNumberOfIds()))
+    used = {skin.GetCell(cell).GetPointIds().GetId(p) for cell in kept for p in range(16)}
+    assert wall.GetNumberOfPoints() == len(used)
 
     # What a viewer draws of the volume is the skin.
     surface = simple.ExtractSurface(Input=bezier(DEMO), NonlinearSubdivisionLevel=2)

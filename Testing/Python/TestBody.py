@@ -263,9 +263,15 @@ def test_missing_wall():
         assert "no boundary of the mesh is part of it" in text and "'hull', 'outside'" in text and "'wall*'" in text
     bare = shell()
     bare.GetFieldData().Initialize()
-    assert "has the boundaries none" in failure(conversion(bare, body))
     faces = [n for b in range(6) for n in (b, 4)]
     assert "chosen automatically" in report(conversion(bare, body, BodyFaces=faces))
+    # Without names the body tells which faces lie on it, and then all is as if they had been given.
+    told = conversion(bare, body)
+    given = conversion(bare, body, BodyFaces=faces)
+    assert bits(update(told)[0]) == bits(update(given)[0])
+    assert "wall found by the body: 6 faces, 'block 0' k min; " in report(told), report(told)
+    text = failure(conversion(bare, ellipsoid(2.0)))
+    assert "has the boundaries none" in text and "Body Faces" in text and "length unit" in text
     volume = conversion(shell(boundary_names=("hull", "outside")))
     text = failure(simple.BodyDeviation(Input=volume, Body=body))
     assert "no boundary of the volume" in text and "'hull', 'outside'" in text

@@ -103,6 +103,11 @@ def test_first_picture_is_the_wall():
     simple.Hide(volume, VIEW)
 
 
+def field_strings(data, name):
+    array = data.GetFieldData().GetAbstractArray(name)
+    return [array.GetValue(n) for n in range(array.GetNumberOfValues())]
+
+
 def vtk_length(source):
     bounds = source.GetDataInformation(0).GetBounds()
     return sum((bounds[2 * d + 1] - bounds[2 * d]) ** 2 for d in range(3)) ** 0.5
@@ -131,7 +136,18 @@ def test_volumes_of_files():
 
 
 def test_samples():
-    assert shown(simple.BSplineVolumeSampler(Input=VOLUME)).Representation == "Surface"
+    assert shown(simple.BSplineVolumeSampler(Input=VOLUME)).Representation == "Wall And Curves"
+
+
+def test_mirrored():
+    wing = simple.WingFuselageSource(Resolution=2)
+    assert shown(simple.MirrorHexBlocks(Input=wing)).Representation == "Wall And Curves"
+
+
+def test_wall_spacing():
+    spacing = simple.WallSpacing(Input=simple.WingFuselageSource(Resolution=2))
+    assert shown(spacing) is None
+    assert array_of(shown(spacing, 1)) == ("POINTS", "YPlus")
 
 
 def test_smoothness():
@@ -163,14 +179,17 @@ def test_smoothness():
 
 def test_quality():
     quality = simple.BSplineVolumeQuality(Input=VOLUME)
-    # Only what was found is shown, before the body.
-    assert shown(quality) is None
+    # The wall as a ghost, coloured by the validity of its spans, and in it what was found.
+    ghost = shown(quality)
+    assert ghost.Representation == "Wall And Curves" and ghost.Opacity < 0.5
+    assert array_of(ghost) == ("CELLS", "Validity")
+    assert 0 < drawn_surface(ghost).GetNumberOfCells() < client(quality).GetOutputDataObject(0).GetNumberOfCells()
     assert shown(quality, 2).Representation == "Surface With Edges" and shown(quality, 3) is not None
     assert client(quality).GetOutputDataObject(2).GetNumberOfCells() == 0
     assert "spans are valid" in client(quality).GetOutputDataObject(3).GetColumnByName("Text").GetValue(0)
     display = simple.Show(quality, VIEW)
     display.Representation = "Surface With Edges"
-    assert display.Representation == "Surface With Edges" and array_of(display) == ("CELLS", "Validity")
+    assert array_of(display) == ("CELLS", "Validity")
     table = display.LookupTable
     assert table.InterpretValuesAsCategories == 1
     named = dict(zip(table.Annotations[0::2], table.Annotations[1::2]))
@@ -182,14 +201,35 @@ def test_quality():
 
 def test_bezier_cells():
     display = shown(simple.BSplineVolumeToBezierCells(Input=VOLUME))
-    assert display.Representation == "Surface" and display.NonlinearSubdivisionLevel == 2
+    assert display.Representation == "Bezier Cells" and display.NonlinearSubdivisionLevel == 2
+    few = drawn_surface(display).GetNumberOfCells()
+    display.NonlinearSubdivisionLevel = 1
+    assert few == 4 * drawn_surface(display).GetNumberOfCells()
+    # Many are drawn more coarsely, unless that is not wanted.
+    wing = simple.CatmullClarkToBSplineVolume(Input=simple.WingFuselageSource(Resolution=3), CheckJoins=0)
+    cells = simple.BSplineVolumeToBezierCells(Input=wing, Cells="All Faces")
+    display = shown(cells)
+    cells.UpdatePipeline()
+    count = cells.GetDataInformation().GetNumberOfCells()
+    assert 3000 < count <= 20000, count
+    many = drawn_surface(display).GetNumberOfCells()
+    display.LevelBySize = 0
+    assert drawn_surface(display).GetNumberOfCells() == 4 * many
     # Other grids keep ParaView's default.
     assert simple.Show(simple.UnstructuredCellTypes(), VIEW).NonlinearSubdivisionLevel == 1
 
 
 def test_topology():
-    display = shown(simple.HexBlockTopology(Input=MESH))
-    assert display.Representation == "Wireframe" and array_of(display) == ("CELLS", "Valence")
+    topology = simple.HexBlockTopology(Input=MESH)
+    display = shown(topology)
+    assert display.Representation == "Wall And Curves" and not array_of(display)[1]
+    assert all(shown(topology, port) is None for port in (1, 2, 3))
+    # Of the faces those of the wall.
+    faces = client(topology).GetOutputDataObject(0).GetPartition(2, 0)
+    wall = field_strings(client(topology).GetOutputDataObject(0), "BoundaryNames").index("WALL")
+    tags = faces.GetCellData().GetArray("BoundaryTag")
+    expected = sum(tags.GetValue(n) == wall for n in range(faces.GetNumberOfCells()))
+    assert drawn_surface(display).GetNumberOfCells() == expected > 0
 
 
 def test_deviation():
@@ -199,6 +239,8 @@ def test_deviation():
     # The body is that of the conversion.
     deviation = simple.BodyDeviation(Input=volume)
     display = shown(deviation)
+    pin = shown(deviation, 2)
+    assert pin.PointSize > 5
     assert display.Representation == "Surface" and array_of(display) == ("POINTS", "Distance")
     assert legend_is_shown(display)
     assert names(client(deviation).GetOutputDataObject(0)) == ["Wall", "Body"]

@@ -128,11 +128,14 @@ def test_reference_state():
     assert f"density {field(data, 'ReferenceDensity')[0]:.6g} kg/m^3" in proxy.Report
 
 
-def test_warning():
-    """A mesh twice as coarse needs one level more, and the warning says so."""
+def test_out_of_reach():
+    """A mesh twice as coarse needs one level more, and the report says so."""
     proxy = wall_spacing(plate(8 * height(REYNOLDS, 2.0, 1.0)))
-    _, warnings = update(proxy)
-    assert len(warnings) == 1 and "Level 3 would reach it everywhere" in warnings[0], warnings
+    update(proxy)
+    proxy.UpdatePropertyInformation()
+    assert "Level 3 would reach it everywhere" in proxy.Report
+    text = client(proxy).GetOutputDataObject(2).GetColumnByName("Text").GetValue(0)
+    assert "reached within 1 % at 0 of" in text and "see the report" in text, text
     proxy.Level = 3
     assert not update(proxy)[1]
 

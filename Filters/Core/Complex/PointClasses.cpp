@@ -61,8 +61,9 @@ void PointClasses::pairQuads(const std::vector<Index>& quads)
     {
       if (!this->Options.allowDegenerate)
       {
-        throw ErrorAt(
-          quad, this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)));
+        throw ErrorAt(quad,
+          this->where(at) + " is collapsed: two of its points coincide near " + text(this->center(at)) +
+            "; Allow Degenerate accepts it");
       }
       this->Result.setBoundary(at, -1);
       continue;

@@ -310,7 +310,7 @@ std::vector<CellCount> checkCells(const BlockMesh& mesh, bool allowDegenerate, c
       {
         throw ErrorAt(b,
           blockLabel(mesh, b) + ": cell " + text(found.faultAt) + " " + found.faultText + " (near " +
-            text(mesh.blocks[b].points(found.faultAt)) + "); collapsed cells are not allowed");
+            text(mesh.blocks[b].points(found.faultAt)) + "); Allow Degenerate accepts collapsed cells");
       }
       perBlock[b].volume += found.volume;
       for (int sign = Negative; sign <= Positive; ++sign)
