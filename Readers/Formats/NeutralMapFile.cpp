@@ -66,7 +66,8 @@ std::string kind(const std::string& type)
 
 bool isOneToOne(const std::string& kind)
 {
-  const char* const spellings[] = { "onetoone", "one2one", "1to1", "11", "121", "pointtopoint", "pointmatched" };
+  const char* const spellings[] = { "onetoone", "one2one", "1to1", "11", "121", "pointtopoint", "pointmatched",
+    "abutting1to1" };
   return std::find(std::begin(spellings), std::end(spellings), kind) != std::end(spellings);
 }
 
@@ -148,10 +149,26 @@ private:
     this->Words.clear();
     while (this->Words.empty() && std::getline(this->Stream, line))
     {
-      ++this->Line;
+      if (++this->Line == 1)
+      {
+        this->skipMark(line);
+      }
       this->Words = words(line);
     }
     return !this->Words.empty();
+  }
+
+  /// The byte order mark that some editors write.
+  void skipMark(std::string& line) const
+  {
+    if (line.rfind("\xef\xbb\xbf", 0) == 0)
+    {
+      line.erase(0, 3);
+    }
+    if (line.rfind("\xff\xfe", 0) == 0 || line.rfind("\xfe\xff", 0) == 0)
+    {
+      this->fail("the file is a text in UTF-16; save it as plain ASCII or UTF-8");
+    }
   }
 
   int integer(std::size_t word, const char* what) const

@@ -283,7 +283,17 @@ def test_wrong_units():
     for scale, factor in ((1000.0, "1000"), (0.01, "0.01")):
         text = failure(conversion(shell(), ellipsoid(scale)))
         assert "far from the wall" in text and "about %s times" % factor in text, text
-    assert "far from the wall" in failure(conversion(shell(), ellipsoid(offset=(9, 0, 0))))
+    moved = failure(conversion(shell(), ellipsoid(offset=(9, 0, 0))))
+    assert "far from the wall" in moved and "moved by about 9 " in moved, moved
+    # A mesh of the other half.
+    other = shell()
+    for block in blocks(other):
+        points = block.GetPoints()
+        for p in range(points.GetNumberOfPoints()):
+            x, y, z = points.GetPoint(p)
+            points.SetPoint(p, x, y + 5, z)
+    text = failure(conversion(other, ellipsoid(offset=(0, -5, 0))))
+    assert "mirror image of the wall at y = 0 lies on it" in text, text
 
 
 def test_errors():

@@ -55,11 +55,11 @@ WallDistances wallDistances(
     std::ostringstream text;
     text << "the body is far from the wall, up to " << result.inputPoints << ": the wall lies in " << boxText(box)
          << ", the body in " << boxText(body.bounds());
-    const auto liesOn = [&](double factor) {
+    const auto liesOn = [&](const auto& map, double factor) {
       const Index step = 1 + static_cast<Index>(points.size()) / 100;
       for (Index i = 0; i < static_cast<Index>(points.size()); i += step)
       {
-        if (!(body.closestPoint(factor * points[i]).distance <= 0.05 * factor * size))
+        if (!(body.closestPoint(map(points[i])).distance <= 0.05 * factor * size))
         {
           return false;
         }
@@ -73,12 +73,36 @@ WallDistances wallDistances(
       for (const double factor : { unit, 1.0 / unit })
       {
         // A mesh of half a body, or of a part of it, is smaller than the body. In the right unit its wall lies on it.
-        if (ratio > 0.7 * factor && ratio < 3.0 * factor && liesOn(factor))
+        if (ratio > 0.7 * factor && ratio < 3.0 * factor &&
+          liesOn([factor](const Vec3& x) { return Vec3(factor * x); }, factor))
         {
           text << "; the body is about " << factor << " times as large: is its unit another one?";
           throw Error(text.str());
         }
       }
+    }
+    // The other half of a model, or a program with left-handed axes.
+    for (int d = 0; d < 3; ++d)
+    {
+      const auto image = [d](Vec3 x) {
+        x[d] = -x[d];
+        return x;
+      };
+      if (liesOn(image, 1.0))
+      {
+        text << "; the mirror image of the wall at "
+             << "xyz"[d] << " = 0 lies on it: is one of them mirrored, or the other half?";
+        throw Error(text.str());
+      }
+    }
+    const Vec3 move = body.bounds().center() - box.center();
+    if (liesOn([&move](const Vec3& x) { return Vec3(x + move); }, 1.0))
+    {
+      // Bounds of surfaces are as loose as their control points.
+      text.precision(2);
+      text << "; moved by about "
+           << move.unaryExpr([size](double m) { return std::abs(m) < 1e-2 * size ? 0.0 : m; }).transpose()
+           << " the wall lies on it";
     }
     throw Error(text.str());
   }

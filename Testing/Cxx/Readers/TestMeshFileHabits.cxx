@@ -590,7 +590,7 @@ TEST(MeshFileHabits, NeutralMapsSpellContactsInManyWays)
   const Result expected = readMesh(folder / "plain.xyz");
   ASSERT_EQ(expected.mesh.interfaces.size(), mesh.interfaces.size());
   for (const char* spelling : { "'one-to-one     '", "one_to_one", "One To One", "ONETOONE", "OneToOne", "'1-to-1'",
-         "1-to-1", "1 to 1", "1to1", "1_TO_1", "\"One-To-One\"", "one 2 one" })
+         "1-to-1", "1 to 1", "1to1", "1_TO_1", "\"One-To-One\"", "one 2 one", "Abutting1to1" })
   {
     SCOPED_TRACE(spelling);
     for (const char* extension : { "nmf", "NMF" })
@@ -619,6 +619,11 @@ TEST(MeshFileHabits, NeutralMapsSpellContactsInManyWays)
   }
   writeFile(folder / "plain.nmf", neutralMap(twice));
   EXPECT_EQ(readMesh(folder / "plain.xyz").mesh.interfaces.size(), mesh.interfaces.size());
+  // What editors write before the text.
+  writeFile(folder / "plain.nmf", "\xef\xbb\xbf" + plain);
+  EXPECT_EQ(readMesh(folder / "plain.xyz").mesh.interfaces.size(), mesh.interfaces.size());
+  writeFile(folder / "plain.nmf", std::string("\xff\xfe") + "2");
+  EXPECT_NE(refusal(folder / "plain.xyz").find("UTF-16"), std::string::npos);
   // Another word between two sides is never a boundary.
   for (const char* word : { "interior", "'block interface'", "periodic" })
   {
