@@ -45,10 +45,18 @@ if (BSPLINEVOLUME_WRAP_PYTHON)
     LIBRARY_DESTINATION "${bsv_plugin_dir}")
   set(init "# SPDX-License-Identifier: BSD-3-Clause\n")
   string(APPEND init "\"\"\"B-spline volumes from block-structured hexahedral meshes.\"\"\"\n")
+  set(built_for "VTK ${VTK_VERSION}")
+  if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)
+    set(built_for "ParaView ${ParaView_VERSION}")
+  endif ()
+  string(APPEND init "try:\n")
   foreach (module IN LISTS bsv_wrapped_modules)
     string(REPLACE "BSplineVolume::" "" name "${module}")
-    string(APPEND init "from .${name} import *\n")
+    string(APPEND init "    from .${name} import *\n")
   endforeach ()
+  string(APPEND init
+    "except ImportError as error:\n"
+    "    raise ImportError(f\"bsplinevolume ${PROJECT_VERSION} was built for the Python of ${built_for}: {error}\") from None\n")
   string(APPEND init
     "from .pipeline import Error\n"
     "from .volume import Block, Volume, convert, read\n\n"
