@@ -9,15 +9,12 @@ Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
 Above, the distance of the wall from the body, and the control net over the surface; below, the angle between the two
 sides of the wall along the borders of the blocks, with the twist rule Literal and with the default.
 """
-import tempfile
-
 import numpy as np
 from paraview import simple as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-import make_body_case
-from example_support import (body_patches, body_viewpoint, bounds, color_range, convert, data, legend, load_plugin,
-                             look, parser, read_mesh, save, show, surface, views)
+from example_support import (body_case_arguments, body_patches, body_viewpoint, bounds, color_range, convert, data,
+                             legend, look, parser, read_body_case, save, show, surface, views)
 
 HEIGHT = 1000
 WALL = "#d8dde3"
@@ -26,36 +23,15 @@ FULL = 5.0  # degrees: where the colours of the angles end
 
 def parse_arguments():
     arguments = parser(__doc__.split("\n")[0], "body_deviation.png")
-    arguments.add_argument("--cad", metavar="FILE", help="the body: IGES, STEP, BREP or .g2; needed with --mesh")
-    arguments.add_argument("--unit", default="As in File", help="length unit of the mesh (default: that of the file)")
+    body_case_arguments(arguments)
     arguments.add_argument("--body-face", type=int, metavar="FACE", choices=range(6),
                            help="face of every block that is the body, where the mesh names no boundaries")
-    arguments.add_argument("--zoom", type=float, default=1.0, help="larger shows less (default: 1)")
-    arguments.add_argument("--towards", type=float, nargs=3, metavar="X", help="direction from the body to the camera")
-    arguments.add_argument("--look-at", type=float, nargs=3, metavar="X", help="point in the middle of the pictures")
     return arguments.parse_args()
-
-
-def read(arguments):
-    """Mesh and body."""
-    if arguments.mesh:
-        mesh = read_mesh(arguments)
-        body = pv.NURBSSurfaceReader(FileName=arguments.cad, LengthUnit=arguments.unit)
-        body.UpdatePipeline()
-        return mesh, body
-    load_plugin(arguments.plugin)
-    with tempfile.TemporaryDirectory() as folder:
-        mesh_file, body_file = make_body_case.write_case(folder)
-        mesh = pv.HexBlockMeshReader(FileName=mesh_file)
-        body = pv.NURBSSurfaceReader(FileName=body_file)
-        for source in (mesh, body):
-            source.UpdatePipeline()
-        return mesh, body
 
 
 def main():
     arguments = parse_arguments()
-    mesh, body = read(arguments)
+    mesh, body = read_body_case(arguments)
     properties = {}
     if arguments.body_face is not None:
         blocks = data(mesh).GetNumberOfPartitionedDataSets()

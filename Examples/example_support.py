@@ -16,6 +16,7 @@ from vtkmodules.vtkFiltersCore import vtkExtractCells
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
+import make_body_case
 import make_demo_mesh
 
 WIDTH = 1200  # of a picture, in pixels
@@ -63,6 +64,32 @@ def read_mesh(arguments, cells=8):
     if arguments.crease_angle is None:
         arguments.crease_angle = 30.0
     return mesh
+
+
+def body_case_arguments(arguments):
+    """Arguments of examples that need a body: its file, and where to look from."""
+    arguments.add_argument("--cad", metavar="FILE", help="the body: IGES, STEP, BREP or .g2; needed with --mesh")
+    arguments.add_argument("--unit", default="As in File", help="length unit of the mesh (default: that of the file)")
+    arguments.add_argument("--zoom", type=float, default=1.0, help="larger shows less (default: 1)")
+    arguments.add_argument("--towards", type=float, nargs=3, metavar="X", help="direction from the body to the camera")
+    arguments.add_argument("--look-at", type=float, nargs=3, metavar="X", help="point in the middle of the pictures")
+
+
+def read_body_case(arguments):
+    """Mesh and body that were asked for, or generated ones; loads the plugin."""
+    if arguments.mesh:
+        mesh = read_mesh(arguments)
+        body = pv.NURBSSurfaceReader(FileName=arguments.cad, LengthUnit=arguments.unit)
+        body.UpdatePipeline()
+        return mesh, body
+    load_plugin(arguments.plugin)
+    with tempfile.TemporaryDirectory() as folder:
+        mesh_file, body_file = make_body_case.write_case(folder)
+        mesh = pv.HexBlockMeshReader(FileName=mesh_file)
+        body = pv.NURBSSurfaceReader(FileName=body_file)
+        for source in (mesh, body):
+            source.UpdatePipeline()
+        return mesh, body
 
 
 def convert(mesh, arguments, **properties):

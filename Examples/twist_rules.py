@@ -8,7 +8,6 @@ Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
 The stripes are those of a zebra: they are continuous where the wall's normal is, and smooth where its curvature is. The
 table says how large the jump of the normals is, how far the wall is from the body, and how many seconds it took.
 """
-import tempfile
 import time
 
 import numpy as np
@@ -16,9 +15,8 @@ from paraview import simple as pv
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 
-import make_body_case
-from example_support import (body_patches, body_viewpoint, bounds, color_range, convert, data, load_plugin, look,
-                             parser, producer, read_mesh, save, show, surface, views)
+from example_support import (body_case_arguments, body_patches, body_viewpoint, bounds, color_range, convert, data,
+                             look, parser, producer, read_body_case, save, show, surface, views)
 
 HEIGHT = 900
 STRIPES = 40.0
@@ -32,29 +30,8 @@ RULES = (("thesis formulas (Literal)", {"Twist": "Literal"}),
 
 def parse_arguments():
     arguments = parser(__doc__.split("\n")[0], "twist_rules.png")
-    arguments.add_argument("--cad", metavar="FILE", help="the body: IGES, STEP, BREP or .g2; needed with --mesh")
-    arguments.add_argument("--unit", default="As in File", help="length unit of the mesh (default: that of the file)")
-    arguments.add_argument("--zoom", type=float, default=1.0, help="larger shows less (default: 1)")
-    arguments.add_argument("--towards", type=float, nargs=3, metavar="X", help="direction from the body to the camera")
-    arguments.add_argument("--look-at", type=float, nargs=3, metavar="X", help="point in the middle of the pictures")
+    body_case_arguments(arguments)
     return arguments.parse_args()
-
-
-def read(arguments):
-    """Mesh and body."""
-    if arguments.mesh:
-        mesh = read_mesh(arguments)
-        body = pv.NURBSSurfaceReader(FileName=arguments.cad, LengthUnit=arguments.unit)
-        body.UpdatePipeline()
-        return mesh, body
-    load_plugin(arguments.plugin)
-    with tempfile.TemporaryDirectory() as folder:
-        mesh_file, body_file = make_body_case.write_case(folder)
-        mesh = pv.HexBlockMeshReader(FileName=mesh_file)
-        body = pv.NURBSSurfaceReader(FileName=body_file)
-        for source in (mesh, body):
-            source.UpdatePipeline()
-        return mesh, body
 
 
 def zebra(volume, patterns, towards):
@@ -76,7 +53,7 @@ def zebra(volume, patterns, towards):
 
 def main():
     arguments = parse_arguments()
-    mesh, body = read(arguments)
+    mesh, body = read_body_case(arguments)
     layout, windows = views([name for name, _ in RULES], HEIGHT, rows=2)
     print("%-28s %12s %12s %12s %9s" % ("rule", "jump, deg", "distance", "RMS", "seconds"))
     towards = arguments.towards

@@ -218,7 +218,7 @@ private:
 /// Unsigned angle of two directions in degrees, 0..90; 0 if one of them is zero.
 double angle(const Vec3& a, const Vec3& b)
 {
-  return std::atan2(a.cross(b).norm(), std::abs(a.dot(b))) * (180.0 / std::acos(-1.0));
+  return std::atan2(a.cross(b).norm(), std::abs(a.dot(b))) * bsv::DegreesPerRadian;
 }
 
 /// A surface against another at one point.

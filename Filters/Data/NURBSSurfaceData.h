@@ -57,7 +57,8 @@ BSPLINEVOLUMEFILTERS_EXPORT vtkSmartPointer<vtkStructuredGrid> patchGrid(
   const BodyPatch& patch, const std::string& layer = {});
 
 /// The tessellation as poly data: points, normals and arrays are evaluated on the patches.
-/// @param vertices patch, u and v of every point. @param triangles indices into them.
+/// @param vertexPatches,vertexParameters patch, and u and v, of every point.
+/// @param triangles indices of points.
 BSPLINEVOLUMEFILTERS_EXPORT vtkSmartPointer<vtkPolyData> bodySurface(const std::vector<BodyPatch>& patches,
   const std::vector<int>& vertexPatches, const std::vector<Vec2>& vertexParameters,
   const std::vector<std::array<int, 3>>& triangles, const Execution& run = {});

@@ -39,7 +39,6 @@ struct VolumeToWrite
 
 /// Completes a volume of which everything up to `boundaryTypes` is given, but boundaries only as far as they have
 /// names: handedness, the boundaries without a name. Collective.
-/// @param rational whether any block has weights, also on other ranks.
 /// @throws Error for a face in two interfaces or boundaries, or in both.
 void completeVolume(VolumeToWrite& volume, const Execution& run);
 

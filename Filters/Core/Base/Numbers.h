@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Numbers.h
-/// Three numbers as what ranks send of a point or vector; pi and degrees.
+/// Three numbers as what ranks send of a point or vector; pi, degrees and angles.
 #pragma once
 
 #include "Base/Types.h"
 
+#include <Eigen/Geometry>
+
 #include <array>
+#include <cmath>
 
 namespace bsv
 {
@@ -23,6 +26,12 @@ inline Triple triple(const Vec3& x)
 inline Vec3 vec3(const Triple& x)
 {
   return Vec3(x[0], x[1], x[2]);
+}
+
+/// Unsigned angle between two vectors, radians, 0 to pi; 0 if one of them is zero.
+inline double angleBetween(const Vec3& a, const Vec3& b)
+{
+  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 } // namespace bsv

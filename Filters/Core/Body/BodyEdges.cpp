@@ -35,7 +35,7 @@ double bodyTurn(const BodySurface& body, const Vec3& point, double length)
   {
     for (std::size_t b = a + 1; b < normals.size(); ++b)
     {
-      largest = std::max(largest, std::atan2(normals[a].cross(normals[b]).norm(), normals[a].dot(normals[b])));
+      largest = std::max(largest, angleBetween(normals[a], normals[b]));
     }
   }
   return largest * DegreesPerRadian;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Complex/BlockComplex.h"
 
+#include "Base/Numbers.h"
 #include "Base/UnionFind.h"
 #include "Complex/CreaseEdges.h"
 #include "Complex/Gluing.h"
@@ -85,10 +86,9 @@ public:
         }
       });
     }
-    this->Coordinates = ranks.ask(questions, [&](Index point) -> std::array<double, 3> {
+    this->Coordinates = ranks.ask(questions, [&](Index point) -> Triple {
       const int block = surface.blockOfPoint(point);
-      const Vec3 x = mesh.blocks[block].points(surface.pointAt(block, point));
-      return { x[0], x[1], x[2] };
+      return triple(mesh.blocks[block].points(surface.pointAt(block, point)));
     });
   }
 
@@ -134,7 +134,7 @@ private:
   const SurfaceNumbering& Numbering;
   /// Per rank, ascending, and their coordinates.
   std::vector<std::vector<Index>> Remote;
-  std::vector<std::vector<std::array<double, 3>>> Coordinates;
+  std::vector<std::vector<Triple>> Coordinates;
 };
 
 class Builder

@@ -70,7 +70,7 @@ constexpr double StripWidth = 0.25;
 /// Angle between two normals, degrees.
 double turnBetween(const Vec3& a, const Vec3& b)
 {
-  return DegreesPerRadian * std::atan2(a.cross(b).norm(), a.dot(b));
+  return DegreesPerRadian * angleBetween(a, b);
 }
 
 std::string edges(Index count)

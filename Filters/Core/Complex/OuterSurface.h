@@ -3,6 +3,7 @@
 /// The outer surface of a block complex as quadrilaterals: their numbers, points, neighbours and the cells behind them.
 #pragma once
 
+#include "Base/Numbers.h"
 #include "Complex/BlockComplex.h"
 
 #include <array>
@@ -31,7 +32,7 @@ struct OuterEdge
 struct OuterCell
 {
   /// Corners (0,0), (1,0), (0,1), (1,1), and the points next to them inside.
-  std::array<std::array<double, 3>, 4> outer, inner;
+  std::array<Triple, 4> outer, inner;
   /// 1, or -1 if the axes span the normal that points into the cell.
   double sign = 1.0;
 

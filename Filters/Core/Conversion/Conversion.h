@@ -14,6 +14,9 @@
 namespace bsv
 {
 
+/// Weight c of the nearer point in an inserted point, unless a spacing is given: that of uniform knots.
+constexpr double KnotInsertion = 2.0 / 3.0;
+
 class BodySurface;
 struct EntityRules;
 
@@ -96,7 +99,7 @@ struct ConversionOptions
   Twist twist = Twist::SecondFundamentalForm;
   Continuity continuity = Continuity::SingleKnots;
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
-  double wallSpacing = 2.0 / 3.0;
+  double wallSpacing = KnotInsertion;
   /// Take c = (2 + ln g) / (3 + ln g) instead, g = |p_2 - p_1| / |p_1 - p_0| the growth of the layers at each wall
   /// vertex: the value with which the spacing of the converted layers starts with the growth ln g per span.
   bool automaticWallSpacing = false;
@@ -196,7 +199,7 @@ struct ConversionReport
   /// Places where this distance would reach over 2/3 of the extension's first cell and was cut to that.
   Index limitedDistances = 0;
   /// Smallest and largest c at the wall.
-  std::array<double, 2> wallSpacing{ 2.0 / 3.0, 2.0 / 3.0 };
+  std::array<double, 2> wallSpacing{ KnotInsertion, KnotInsertion };
   G1Report g1;
   SpanReport spans;
 };

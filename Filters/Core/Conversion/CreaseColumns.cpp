@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/CreaseColumns.h"
 
+#include "Base/Numbers.h"
 #include "Ranks/OwnedValues.h"
 
 #include <Eigen/Geometry>
@@ -17,9 +18,9 @@ namespace
 struct Foot
 {
   int line; ///< of the crease's mesh points
-  std::array<double, 3> point;
-  std::array<double, 3> area; ///< of the quadrilateral, of either sign
-  double rounding;            ///< |area . delta|, not 0
+  Triple point;
+  Triple area;     ///< of the quadrilateral, of either sign
+  double rounding; ///< |area . delta|, not 0
 };
 
 void addFoot(std::vector<Foot>& feet, int line, const Vec3& x, const Vec3& area, const Vec3& delta)

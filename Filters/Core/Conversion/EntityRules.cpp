@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/EntityRules.h"
 
+#include "Base/Numbers.h"
 #include "Complex/FacePoints.h"
 #include "Ranks/OwnedValues.h"
 
@@ -24,18 +25,6 @@ struct Plane
   double deviation = 0.0;
   double diagonal = 0.0;
 };
-
-using Numbers3 = std::array<double, 3>;
-
-Numbers3 numbers(const Vec3& x)
-{
-  return { x[0], x[1], x[2] };
-}
-
-Vec3 vector(const Numbers3& x)
-{
-  return { x[0], x[1], x[2] };
-}
 
 int ownerOfFace(const BlockComplex& complex, int face)
 {
@@ -79,7 +68,7 @@ std::vector<Plane> fitPlanes(
 
   struct Bounds
   {
-    Numbers3 low, high;
+    Triple low, high;
   };
   Bounds nothing;
   nothing.low.fill(std::numeric_limits<double>::infinity());
@@ -92,18 +81,18 @@ std::vector<Plane> fitPlanes(
   std::vector<Bounds> bounds(sides.size(), nothing);
   reduce(
     nothing, [&](Bounds& part, int, const Vec3& x) { extend(part, x, x); },
-    [&](int side, const Bounds& part) { extend(bounds[side], vector(part.low), vector(part.high)); });
+    [&](int side, const Bounds& part) { extend(bounds[side], vec3(part.low), vec3(part.high)); });
 
   struct Sum
   {
-    Numbers3 offset{ 0.0, 0.0, 0.0 };
+    Triple offset{ 0.0, 0.0, 0.0 };
     double count = 0.0;
   };
   std::vector<Sum> sums(sides.size());
   std::vector<Vec3> middles;
   for (const Bounds& box : bounds)
   {
-    middles.push_back(0.5 * (vector(box.low) + vector(box.high)));
+    middles.push_back(0.5 * (vec3(box.low) + vec3(box.high)));
   }
   const auto enlargeSum = [](Sum& sum, const Vec3& offset, double count) {
     Eigen::Map<Vec3>(sum.offset.data()) += offset;
@@ -111,11 +100,11 @@ std::vector<Plane> fitPlanes(
   };
   reduce(
     Sum{}, [&](Sum& part, int side, const Vec3& x) { enlargeSum(part, x - middles[side], 1.0); },
-    [&](int side, const Sum& part) { enlargeSum(sums[side], vector(part.offset), part.count); });
+    [&](int side, const Sum& part) { enlargeSum(sums[side], vec3(part.offset), part.count); });
   for (std::size_t side = 0; side < sides.size(); ++side)
   {
-    planes[side].diagonal = (vector(bounds[side].high) - vector(bounds[side].low)).norm();
-    planes[side].origin = middles[side] + vector(sums[side].offset) / sums[side].count;
+    planes[side].diagonal = (vec3(bounds[side].high) - vec3(bounds[side].low)).norm();
+    planes[side].origin = middles[side] + vec3(sums[side].offset) / sums[side].count;
   }
 
   using Numbers9 = std::array<double, 9>;
@@ -187,7 +176,7 @@ std::vector<double> turningAngles(
     const std::vector<FanSector>& sectors = rules.edges[edges[i / 2]].fans.front().sectors;
     return i % 2 == 0 ? sectors.front() : sectors.back();
   };
-  const std::vector<Numbers3> normals = gatherFromOwners<Numbers3>(
+  const std::vector<Triple> normals = gatherFromOwners<Triple>(
     ranks, 2 * edges.size(), [&](std::size_t i) { return complex.blocks[sectorOf(i).block].rank; },
     [&](std::size_t i) {
       const FanSector& sector = sectorOf(i);
@@ -200,14 +189,12 @@ std::vector<double> turningAngles(
         const Vec3 across = owner.points(sector.point(owner, k, i % 2 == 0 ? 1 : 0, i % 2)) - origin;
         normal += (i % 2 == 0 ? across.cross(along) : along.cross(across)).normalized();
       }
-      return numbers(normal);
+      return triple(normal);
     });
   std::vector<double> angles;
   for (std::size_t i = 0; i < edges.size(); ++i)
   {
-    const Vec3 first = vector(normals[2 * i]);
-    const Vec3 second = vector(normals[2 * i + 1]);
-    angles.push_back(std::atan2(first.cross(second).norm(), first.dot(second)) * 180.0 / std::acos(-1.0));
+    angles.push_back(angleBetween(vec3(normals[2 * i]), vec3(normals[2 * i + 1])) * DegreesPerRadian);
   }
   return angles;
 }

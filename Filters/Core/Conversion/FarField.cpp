@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/FarField.h"
 
+#include "Base/Numbers.h"
 #include "Base/OrderFreeSum.h"
 #include "Complex/FacePoints.h"
 #include "Ranks/OwnedValues.h"
@@ -26,8 +27,6 @@ struct Plane
   double height(const Vec3& x) const { return this->normal.dot(x - this->origin); }
 };
 
-using Numbers3 = std::array<double, 3>;
-
 class FarFieldSearch
 {
 public:
@@ -39,7 +38,7 @@ public:
   {
     Eigen::AlignedBox3d box;
     const auto cornerOf = [&](std::size_t vertex) { return complex.vertices[vertex].corners.front(); };
-    const std::vector<Numbers3> vertices = gatherFromOwners<Numbers3>(
+    const std::vector<Triple> vertices = gatherFromOwners<Triple>(
       ranks, complex.vertices.size(), [&](std::size_t v) { return complex.blocks[cornerOf(v).block].rank; },
       [&](std::size_t v) {
         const ComplexBlock& owner = complex.blocks[cornerOf(v).block];
@@ -49,9 +48,9 @@ public:
           ijk[d] = cornerSide(cornerOf(v).corner, d) ? owner.cells(d) : 0;
         }
         const Vec3 x = owner.points(ijk);
-        return Numbers3{ x[0], x[1], x[2] };
+        return triple(x);
       });
-    for (const Numbers3& x : vertices)
+    for (const Triple& x : vertices)
     {
       this->Vertices.emplace_back(x[0], x[1], x[2]);
       box.extend(this->Vertices.back());
@@ -553,15 +552,15 @@ private:
         side.onCuboid.push_back(std::none_of(
           sides.begin(), sides.end(), [&](const Candidate& other) { return other.outside[use.block] != 0; }));
       }
-      const auto areas = gatherListsFromOwners<Numbers3>(
+      const auto areas = gatherListsFromOwners<Triple>(
         this->Processes, side.inner.size(),
         [&](std::size_t i) { return this->Complex.blocks[side.inner[i].block].rank; },
         [&](std::size_t i) { return this->areasOf(side.inner[i], candidate.cut.plane.normal); });
       OrderFreeSum sum;
       double quads = 0.0;
-      for (const std::vector<Numbers3>& ofFace : areas)
+      for (const std::vector<Triple>& ofFace : areas)
       {
-        for (const Numbers3& area : ofFace)
+        for (const Triple& area : ofFace)
         {
           quads += 1.0;
           sum.add(1.0, Vec3(area[0], area[1], area[2]));
@@ -578,11 +577,11 @@ private:
 
   /// Twice the area vectors of a face's quadrilaterals, along `normal`: cross products of their diagonals, of which
   /// another numbering changes the sign alone.
-  std::vector<Numbers3> areasOf(const FaceUse& use, const Vec3& normal) const
+  std::vector<Triple> areasOf(const FaceUse& use, const Vec3& normal) const
   {
     const ComplexBlock& owner = this->Complex.blocks[use.block];
     const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
-    std::vector<Numbers3> areas;
+    std::vector<Triple> areas;
     for (int t = 0; t < cells[faceAxis(use.face, 1)]; ++t)
     {
       for (int s = 0; s < cells[faceAxis(use.face, 0)]; ++s)

@@ -18,9 +18,6 @@
 namespace bsv
 {
 
-/// Weight of the nearer point in an inserted point, unless a spacing is given.
-constexpr double KnotInsertion = 2.0 / 3.0;
-
 class FirstLayer
 {
 public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/LayerRules.h"
 
+#include "Base/Numbers.h"
 #include "Base/OrderFreeSum.h"
 #include "Complex/Limits.h"
 #include "Conversion/LimitMasks.h"
@@ -44,8 +45,7 @@ struct RegularFan
 
 RegularFan regularFan(bool closed, int sectors)
 {
-  const double pi = std::acos(-1.0);
-  const double angle = (closed ? 2.0 : 1.0) * pi / sectors;
+  const double angle = (closed ? 2.0 : 1.0) * Pi / sectors;
   RegularFan fan;
   fan.cosine = std::cos(angle);
   const int spokes = closed ? sectors : sectors + 1;
@@ -366,15 +366,14 @@ namespace
 /// all as it is.
 Fan stretchedFan(Fan result, const std::vector<double>& nearWeight, const Fan& fan)
 {
-  constexpr double Regular = 2.0 / 3.0;
-  if (std::all_of(nearWeight.begin(), nearWeight.end(), [](double weight) { return weight == Regular; }))
+  if (std::all_of(nearWeight.begin(), nearWeight.end(), [](double weight) { return weight == KnotInsertion; }))
   {
     return result;
   }
   const double cosine = regularFan(fan.closed, fan.sectorCount()).cosine;
   const double blend = (6.0 + 2.0 * cosine) / (3.0 * (2.0 + 2.0 * cosine));
   const std::vector<Vec3> spokes = result.spokes;
-  const auto stretch = [&](int i) { return nearWeight[i] == Regular ? 1.0 : 3.0 * (1.0 - nearWeight[i]); };
+  const auto stretch = [&](int i) { return nearWeight[i] == KnotInsertion ? 1.0 : 3.0 * (1.0 - nearWeight[i]); };
   for (int i = 0; i < fan.sectorCount(); ++i)
   {
     const int next = fan.nextSpoke(i);
@@ -451,7 +450,7 @@ Fan thesisFan(const Fan& input)
   const FanOrder order(input);
   const Fan fan = order.sorted(input);
   Fan result = fan;
-  result.center = smoothFan(fan, Twist::Parallelogram, std::vector<double>(fan.spokeCount(), 2.0 / 3.0)).center;
+  result.center = smoothFan(fan, Twist::Parallelogram, std::vector<double>(fan.spokeCount(), KnotInsertion)).center;
   const Vec3 normal = limitNormal(fan);
   const int n = fan.sectorCount();
   std::vector<Vec3> offsets;
@@ -473,7 +472,7 @@ Fan accFan(const Fan& fan)
 {
   Fan result = fan;
   const int n = fan.sectorCount();
-  result.center = smoothFan(fan, Twist::Mask, std::vector<double>(n, 2.0 / 3.0)).center;
+  result.center = smoothFan(fan, Twist::Mask, std::vector<double>(n, KnotInsertion)).center;
   OrderFreeSum sum;
   for (int i = 0; i < n; ++i)
   {
@@ -672,7 +671,7 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
   Fan points = fan;
   points.center = projection;
   std::vector<Vec3> offsets(n);
-  const Fan smooth = foot.regularOffsets ? smoothFan(fan, twist, std::vector<double>(n, 2.0 / 3.0)) : Fan();
+  const Fan smooth = foot.regularOffsets ? smoothFan(fan, twist, std::vector<double>(n, KnotInsertion)) : Fan();
   for (int i = 0; i < n; ++i)
   {
     const Vec3 border = foot.regularOffsets
@@ -705,7 +704,7 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
     if (twist == Twist::Mask)
     {
       const Vec3 corners[4] = { fan.center, fan.spokes[i], fan.spokes[next], fan.sectors[i] };
-      const double weights[2] = { 2.0 / 3.0, 2.0 / 3.0 };
+      const double weights[2] = { KnotInsertion, KnotInsertion };
       points.sectors[i] = multilinear(corners, weights, 2);
       continue;
     }
@@ -766,11 +765,10 @@ void projectGroup(Fan& points, const Fan& mesh, int first, int size, const BodyF
 
 Vec3 multilinear(const Vec3* corners, const double* nearWeight, int n)
 {
-  constexpr double Regular = 2.0 / 3.0;
   bool regular = true;
   for (int d = 0; d < n; ++d)
   {
-    regular = regular && nearWeight[d] == Regular;
+    regular = regular && nearWeight[d] == KnotInsertion;
   }
   OrderFreeSum sum;
   for (int corner = 0; corner < 1 << n; ++corner)

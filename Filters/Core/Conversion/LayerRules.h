@@ -143,8 +143,7 @@ inline Vec3 fadedMask(const Vec3& a, const Vec3& p, const Vec3& b, double keep)
 /// [c, 1 - c] with the knot-insertion weight 2/3 evaluated exactly as (2 a + b) / 3.
 inline Vec3 insertMask(const Vec3& a, const Vec3& b, double nearWeight)
 {
-  constexpr double Regular = 2.0 / 3.0;
-  if (nearWeight == Regular)
+  if (nearWeight == KnotInsertion)
   {
     return (2.0 * a + b) / 3.0;
   }

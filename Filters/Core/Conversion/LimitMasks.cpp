@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/LimitMasks.h"
 
+#include "Base/Numbers.h"
+
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 
@@ -118,7 +120,7 @@ FanMask tangentAcrossCrease(int sectors)
   }
   matrix(0, 0) = 0.75;
 
-  const double c = std::cos(std::acos(-1.0) / sectors);
+  const double c = std::cos(Pi / sectors);
   const double eigenvalue = (5.0 + c + std::sqrt((1.0 + c) * (9.0 + c))) / 16.0;
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix.transpose());
   int best = 0;

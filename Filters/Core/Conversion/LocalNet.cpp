@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/LocalNet.h"
 
+#include "Base/Numbers.h"
 #include "Base/OrderFreeSum.h"
 #include "Volume/BSplineVolume.h"
 
@@ -13,8 +14,6 @@ namespace bsv
 {
 namespace
 {
-
-const double Pi = std::acos(-1.0);
 
 /// g of the conditions.
 double joinCosine(const LocalNetShape& shape)

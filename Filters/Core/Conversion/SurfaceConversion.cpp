@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/SurfaceConversion.h"
 
+#include "Base/Numbers.h"
 #include "Body/ClosestPoint.h"
 #include "Conversion/EdgeConversion.h"
 #include "Ranks/OwnedValues.h"
@@ -299,7 +300,7 @@ GivenFeet givenFeet(const BlockComplex& complex, const ConversionOptions& option
     }
   }
   const auto collect = [&](const std::vector<const double*>& arrays, std::map<int, Vec3>& result) {
-    const auto values = gatherFromOwners<std::array<double, 3>>(
+    const auto values = gatherFromOwners<Triple>(
       ranks, copies.size(), [&](std::size_t i) { return complex.blocks[copies[i].corner.block].rank; },
       [&](std::size_t i) {
         const ComplexBlock& owner = complex.blocks[copies[i].corner.block];
@@ -307,7 +308,7 @@ GivenFeet givenFeet(const BlockComplex& complex, const ConversionOptions& option
         if (!array)
         {
           constexpr double NaN = std::numeric_limits<double>::quiet_NaN();
-          return std::array<double, 3>{ NaN, NaN, NaN };
+          return Triple{ NaN, NaN, NaN };
         }
         // Strides of the parent's points are those of its arrays.
         Index at = 0;
@@ -316,7 +317,7 @@ GivenFeet givenFeet(const BlockComplex& complex, const ConversionOptions& option
           at +=
             owner.points.stride(d) * (owner.offset[d] + (cornerSide(copies[i].corner.corner, d) ? owner.cells(d) : 0));
         }
-        return std::array<double, 3>{ array[3 * at], array[3 * at + 1], array[3 * at + 2] };
+        return Triple{ array[3 * at], array[3 * at + 1], array[3 * at + 2] };
       });
     for (std::size_t i = 0; i < copies.size(); ++i)
     {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quadflow/QuadflowCase.h"
 
+#include "Base/Numbers.h"
 #include "Mesh/PointExchange.h"
 #include "Mesh/SharedEntities.h"
 #include "Volume/ControlPointRule.h"
@@ -112,7 +113,7 @@ private:
 /// The control points at the eight corners of every block, on all ranks.
 std::vector<std::array<Vec3, 8>> cornerPoints(const std::vector<const BSplineVolume*>& volumes, const Ranks& ranks)
 {
-  std::vector<std::array<std::array<double, 3>, 8>> corners(volumes.size());
+  std::vector<std::array<Triple, 8>> corners(volumes.size());
   for (std::size_t b = 0; b < volumes.size(); ++b)
   {
     for (int corner = 0; volumes[b]->rank == ranks.rank() && corner < 8; ++corner)
@@ -125,8 +126,7 @@ std::vector<std::array<Vec3, 8>> cornerPoints(const std::vector<const BSplineVol
   std::vector<std::array<Vec3, 8>> result(volumes.size());
   for (std::size_t b = 0; b < volumes.size(); ++b)
   {
-    std::transform(corners[b].begin(), corners[b].end(), result[b].begin(),
-      [](const std::array<double, 3>& x) { return Vec3(x[0], x[1], x[2]); });
+    std::transform(corners[b].begin(), corners[b].end(), result[b].begin(), vec3);
   }
   return result;
 }

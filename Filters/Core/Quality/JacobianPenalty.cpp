@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quality/JacobianPenalty.h"
 
+#include "Base/Numbers.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -44,11 +46,10 @@ struct Tables
 
   Tables()
   {
-    const double pi = std::acos(-1.0);
     Eigen::Matrix<double, Nodes, Nodes> matrix;
     for (int q = 0; q < Nodes; ++q)
     {
-      const double t = 0.5 * (1.0 - std::cos((q + 0.5) * pi / Nodes));
+      const double t = 0.5 * (1.0 - std::cos((q + 0.5) * Pi / Nodes));
       for (int i = 0; i < 4; ++i)
       {
         this->values[q][i] = bernstein(3, i, t);

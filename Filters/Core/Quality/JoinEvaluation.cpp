@@ -86,7 +86,7 @@ namespace
 /// DegreesPerRadian; 0 if one of them is zero.
 double angle(const Vec3& a, const Vec3& b)
 {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * DegreesPerRadian;
+  return angleBetween(a, b) * DegreesPerRadian;
 }
 
 /// Zero where the two are parallel up to rounding.

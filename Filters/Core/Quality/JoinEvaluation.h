@@ -3,6 +3,7 @@
 /// Values and jumps at one point of a join.
 #pragma once
 
+#include "Base/Numbers.h"
 #include "Quality/Join.h"
 #include "Quality/SurfaceTrace.h"
 
@@ -14,7 +15,6 @@ namespace bsv
 
 /// What counts as rounding, relative to the size of the coordinates.
 constexpr double JumpRounding = 64.0 * std::numeric_limits<double>::epsilon();
-constexpr double DegreesPerRadian = 57.295779513082320877;
 
 /// Basis functions of a trace along one axis, at one place.
 struct TraceBasis

@@ -168,7 +168,7 @@ protected:
   /// Room for what comes from a rank; called once for every rank that sends something. May throw.
   using Room = std::function<char*(int rank, Index bytes)>;
 
-  /// @param unit size of the values, the same on all ranks
+  /// @name The second argument is the size of a value, the same on all ranks
   ///@{
   virtual void gatherBytes(const Span&, std::size_t, const Room&) const {}
   virtual void exchangeBytes(const std::vector<Span>&, std::size_t, const Room&) const {}

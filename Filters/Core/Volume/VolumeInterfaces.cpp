@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Volume/VolumeInterfaces.h"
 
+#include "Base/Numbers.h"
 #include "Ranks/Ranks.h"
 
 #include <Eigen/Geometry>
@@ -92,7 +93,7 @@ void shareFaces(const std::vector<BSplineVolume>& volumes, const Ranks& ranks, s
 {
   struct Packed
   {
-    std::array<std::array<double, 3>, (Steps + 1) * (Steps + 1)> points;
+    std::array<Triple, (Steps + 1) * (Steps + 1)> points;
     double tolerance;
     bool finite;
   };

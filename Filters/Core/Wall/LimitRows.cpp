@@ -269,7 +269,7 @@ void ExtraordinaryFans::correct(const std::vector<Vec3>& x, std::vector<Vec3>& v
     const Fan fan = fanOf(this->Centers[c], this->Rings[c]);
     this->addChanges(this->Rings[c], fan,
       this->HasFoot[c] ? projectedFan(fan, this->Feet[c], this->Rule)
-                       : smoothFan(fan, this->Rule, std::vector<double>(fan.spokeCount(), 2.0 / 3.0)));
+                       : smoothFan(fan, this->Rule, std::vector<double>(fan.spokeCount(), KnotInsertion)));
   }
   for (const auto& [center, ring] : this->Creased)
   {
@@ -281,8 +281,8 @@ void ExtraordinaryFans::correct(const std::vector<Vec3>& x, std::vector<Vec3>& v
       kept[feature] = true;
     }
     this->addChanges(ring.points, fan,
-      creasedFan(fan, ring.features, kept, std::vector<bool>(n, false), this->Rule, std::vector<double>(n, 2.0 / 3.0),
-        std::vector<SpokeKeep>(n))
+      creasedFan(fan, ring.features, kept, std::vector<bool>(n, false), this->Rule,
+        std::vector<double>(n, KnotInsertion), std::vector<SpokeKeep>(n))
         .points);
   }
   for (auto& slot : this->Slots)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "WingFuselage/WingFuselageBody.h"
 
+#include "Base/Numbers.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -12,8 +14,6 @@ namespace bsv
 {
 namespace
 {
-
-const double Pi = std::acos(-1.0);
 
 /// From 0 to 1 with the slopes s0 and s1 at the ends.
 double stretch(double t, double s0, double s1)

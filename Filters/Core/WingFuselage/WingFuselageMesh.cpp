@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "WingFuselage/WingFuselageMesh.h"
 
+#include "Base/Numbers.h"
 #include "Base/UnionFind.h"
 #include "Wall/BodyFit.h"
 
@@ -128,7 +129,7 @@ struct Plan
       return growingSteps(step, std::max(2, static_cast<int>(std::ceil(count))), 0, distance);
     };
     // The fuselage ends at x = -3 and 3; the trailing edge of the tip is near quarter chord + 0.6.
-    const double sweep = std::tan(options.shape.sweepAngle * std::acos(-1.0) / 180.0);
+    const double sweep = std::tan(options.shape.sweepAngle * Pi / 180.0);
     const double tip = -0.4 + options.shape.span * sweep + 0.6;
     const double margin = 3.0;
     const double ends[2] = { -3.0 - margin, std::max(3.0, tip) + margin };
