@@ -3,6 +3,7 @@
 
 #include "vtkCatmullClarkToBSplineVolume.h"
 
+#include "Base/Numbers.h"
 #include "Body/ClosestPoint.h"
 #include "Data/BSplineVolumeData.h"
 #include "Data/BoundarySelection.h"

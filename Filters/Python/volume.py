@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """B-spline volumes for Python: control points, knots and rules as numpy views, evaluation and its inverse."""
 import numpy as np
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
-from vtkmodules.vtkCommonDataModel import VTK_VOXEL, vtkStaticCellLocator, vtkUnstructuredGrid
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from . import pipeline
 
@@ -121,27 +121,6 @@ class Block:
         points = value[:, :3] / value[:, 3:]
         return points, np.stack([(s[:, :3] - s[:, 3:] * points) / value[:, 3:] for s in slopes], axis=1) if slopes else None
 
-    def spans(self):
-        """Spans that are not empty: parameters (n, 3, 2) and the boxes of their control points (n, 3, 2).
-
-        A span lies in its box, the control points' convex hull (weights are positive).
-        """
-        ranges = [[(s, k[s], k[s + 1]) for s in range(p, len(k) - p - 1) if k[s] < k[s + 1]]
-                  for k, p in zip(self.knots, self.degree)]
-        p = self.degree
-        # Windows of p + 1 control points per direction, reduced one direction after the other.
-        low = high = self.points
-        for axis, d in ((2, 0), (1, 1), (0, 2)):
-            take = [np.arange(s - p[d], s + 1) for s, _, _ in ranges[d]]
-            low = np.stack([np.take(low, t, axis=axis).min(axis=axis) for t in take], axis=axis)
-            high = np.stack([np.take(high, t, axis=axis).max(axis=axis) for t in take], axis=axis)
-        boxes = np.stack([low, high], axis=-1).reshape(-1, 3, 2)
-        grids = [np.array([r[1:] for r in direction]) for direction in ranges]
-        n = [len(g) for g in grids]
-        c, b, a = np.meshgrid(np.arange(n[2]), np.arange(n[1]), np.arange(n[0]), indexing="ij")
-        parameters = np.stack([grids[0][a.ravel()], grids[1][b.ravel()], grids[2][c.ravel()]], axis=1)
-        return parameters, boxes
-
 
 class Volume:
     """A multi-block B-spline volume: what convert() and read() return."""
@@ -151,7 +130,6 @@ class Volume:
         self._data = data
         self.report = report
         self.warnings = list(warnings)
-        self._spans = None
         self.blocks = []
         for n in range(data.GetNumberOfPartitionedDataSets()):
             meta = data.GetMetaData(n) if data.HasMetaData(n) else None
@@ -166,94 +144,26 @@ class Volume:
         """Block.evaluate() of a block by number."""
         return self.blocks[block].evaluate(u, v, w, derivatives)
 
-    def locate(self, points, tolerance=1e-12, iterations=12):
+    def locate(self, points, tolerance=1e-12):
         """Blocks and parameters of points (n, 3): ints (n,), and (n, 3); -1 and NaN for points outside the volume.
 
-        All spans whose control points' box holds a point are tried until one contains it, the one whose box is centred
-        nearest first; in each Newton's iteration starts from the middle. At shared faces one of the blocks is given.
+        BSpline Volume Probe finds them. At points that blocks share the lowest block is given.
         @param tolerance distance at which a point is found, as a fraction of the volume's diagonal
         """
-        points = np.atleast_2d(np.asarray(points, dtype=float))
-        if self._spans is None:
-            self._spans = self._span_locator()
-        locator, owner, parameters, boxes, diagonal = self._spans
-        reach = tolerance * diagonal
-        found = vtkIdList()
-        candidates = []
-        for x, y, z in points:
-            found.Reset()
-            if np.isfinite((x, y, z)).all():
-                locator.FindCellsWithinBounds((x - reach, x + reach, y - reach, y + reach, z - reach, z + reach), found)
-            ids = np.array([found.GetId(i) for i in range(found.GetNumberOfIds())], dtype=int)
-            box = boxes[ids]
-            size = np.maximum(box[:, :, 1] - box[:, :, 0], reach)
-            off = np.abs(2 * np.array([x, y, z]) - box.sum(axis=2)) / size
-            candidates.append(ids[np.lexsort((ids, off.max(axis=1)))])
-        result = np.full(len(points), -1)
-        uvw = np.full((len(points), 3), np.nan)
-        open_points = np.arange(len(points))
-        for turn in range(max(map(len, candidates), default=0)):
-            open_points = np.array([n for n in open_points if result[n] < 0 and turn < len(candidates[n])], dtype=int)
-            spans = np.array([candidates[n][turn] for n in open_points], dtype=int)
-            for b in np.unique(owner[spans]):
-                mine = open_points[owner[spans] == b]
-                good, at = self._newton(
-                    self.blocks[b], points[mine], parameters[spans[owner[spans] == b]], reach, iterations)
-                result[mine[good]] = b
-                uvw[mine[good]] = at[good]
-        return result, uvw
-
-    def _span_locator(self):
-        parameters, boxes, owner = [], [], []
-        for b, block in enumerate(self.blocks):
-            of_block, of_box = block.spans()
-            parameters.append(of_block)
-            boxes.append(of_box)
-            owner.append(np.full(len(of_block), b))
-        parameters, boxes, owner = (np.concatenate(x) for x in (parameters, boxes, owner))
-        diagonal = float(np.linalg.norm(boxes[:, :, 1].max(axis=0) - boxes[:, :, 0].min(axis=0)))
-        margin = 1e-12 * diagonal
-        from vtkmodules.util.numpy_support import numpy_to_vtk
-        bits = np.array([[(c >> d) & 1 for d in range(3)] for c in range(8)])
-        corners = np.where(bits[None], boxes[:, None, :, 1] + margin, boxes[:, None, :, 0] - margin).reshape(-1, 3)
-        held = vtkPoints()
-        held.SetData(numpy_to_vtk(np.ascontiguousarray(corners), deep=True))
-        grid = vtkUnstructuredGrid()
-        grid.SetPoints(held)
-        grid.Allocate(len(boxes))
-        for n in range(len(boxes)):
-            grid.InsertNextCell(VTK_VOXEL, 8, range(8 * n, 8 * n + 8))
-        locator = vtkStaticCellLocator()
-        locator.SetDataSet(grid)
-        locator.BuildLocator()
-        return locator, owner, parameters, boxes, diagonal
-
-    @staticmethod
-    def _newton(block, targets, spans, reach, iterations):
-        low, high = block.range.T
-        width = spans[:, :, 1] - spans[:, :, 0]
-        at = spans.mean(axis=2)
-        best = np.full(len(at), np.inf)
-        kept = at.copy()
-        active = np.arange(len(at))
-        for _ in range(iterations):
-            x, slopes = block.evaluate(*at[active].T, derivatives=1)
-            residual = targets[active] - x
-            distance = np.linalg.norm(residual, axis=1)
-            better = distance < best[active]
-            kept[active[better]] = at[active[better]]
-            best[active] = np.minimum(best[active], distance)
-            jacobian = np.swapaxes(slopes, 1, 2)
-            regular = np.abs(np.linalg.det(jacobian)) > 0
-            step = np.zeros_like(residual)
-            step[regular] = np.linalg.solve(jacobian[regular], residual[regular][..., None])[..., 0]
-            moved = np.clip(at[active] + np.clip(step, -width[active], width[active]), low, high)
-            change = np.abs(moved - at[active]).max(axis=1)
-            at[active] = moved
-            active = active[(change > 1e-15 * np.abs(high).max()) & regular]
-            if len(active) == 0:
-                break
-        return best <= reach, kept
+        probe = pipeline.filter_named("vtkBSplineVolumeProbe")
+        probe.SetTolerance(tolerance)
+        pipeline.connect(probe.SetInputConnection, self._data)
+        cloud = vtkPolyData()
+        cloud.SetPoints(vtkPoints())
+        given = np.array(points, dtype=float).reshape(-1, 3)
+        cloud.GetPoints().SetData(numpy_to_vtk(given, deep=True))
+        pipeline.connect(probe.SetPointsConnection, cloud)
+        pipeline.run(probe)
+        found = probe.GetOutput().GetPointData()
+        blocks = np.array(vtk_to_numpy(found.GetArray("BlockId")))
+        uvw = np.array(vtk_to_numpy(found.GetArray("UVW")))
+        uvw[blocks < 0] = np.nan
+        return blocks, uvw
 
     def sample(self, level=1, **properties):
         """Points of all blocks with every span cut into 2^level parts: a list of arrays (nw, nv, nu, 3)."""

@@ -4,6 +4,7 @@ the same bits as on one rank. Run with pvbatch --sym on any number of ranks.
 
 Every rank computes what it expects from the whole volume, alone.
 """
+import contextlib
 import hashlib
 import os
 import random
@@ -216,6 +217,31 @@ def test_smoothness():
     in_all_ways(check, rational=True)
 
 
+def test_probe():
+    def check(whole, owners):
+        points = vtk.vtkPoints()
+        dice = random.Random(5)
+        for _ in range(60):
+            points.InsertNextPoint(dice.uniform(-1, 11), dice.uniform(-1, 7), dice.uniform(-1, 30))
+        cloud = vtk.vtkPolyData()
+        cloud.SetPoints(points)
+        results = []
+        for context, data in ((Alone(), whole), (contextlib.nullcontext(), part(whole, owners))):
+            with context:
+                probe = bsplinevolume.vtkBSplineVolumeProbe()
+                probe.SetInputDataObject(0, data)
+                probe.SetInputDataObject(1, cloud)
+                probe.SetComputeDerivatives(True)
+                probe.Update()
+                results.append((probe, arrays(probe.GetOutputDataObject(0).GetPointData())))
+        assert results[0][1] == results[1][1]
+        alone, here = (probe for probe, _ in results)
+        assert 0 < alone.GetNumberOfPointsInside() < alone.GetNumberOfPoints() == 60
+        assert here.GetNumberOfPoints() == 60 * RANKS
+        assert here.GetNumberOfPointsInside() == alone.GetNumberOfPointsInside() * RANKS
+    in_all_ways(check)
+
+
 def cells(data):
     """Block, span, face and points of all cells, in their order."""
     ids = arrays(data.GetCellData())
@@ -240,6 +266,25 @@ def test_bezier_cells():
             weights = [a.GetOutputDataObject(0).GetPointData().GetArray("RationalWeights") for a in (alone, here)]
             assert weights[0] and weights[1]
     in_all_ways(check, rational=True)
+
+
+def test_isoparametric():
+    def pieces(data):
+        ids = data.GetCellData()
+        result = []
+        for c in range(data.GetNumberOfCells()):
+            corners = data.GetCell(c).GetPointIds()
+            result.append((ids.GetArray("BlockId").GetTuple1(c), ids.GetArray("Position").GetTuple(c),
+                           [data.GetPoint(corners.GetId(n)) for n in range(corners.GetNumberOfIds())]))
+        return result
+
+    def check(whole, owners):
+        for shape in (0, 1):
+            alone, here = both("vtkBSplineVolumeIsoparametric", whole, owners, Shape=shape, Level=0)
+            everywhere, mine = (pieces(a.GetOutputDataObject(0)) for a in (alone, here))
+            assert mine == [piece for piece in everywhere if owners[int(piece[0])] == RANK]
+            assert total(len(mine)) == len(everywhere) > 0
+    in_all_ways(check)
 
 
 def files(folder):
