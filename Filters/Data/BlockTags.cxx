@@ -1187,6 +1187,19 @@ void FormerBoundaries::addMergedPoints(vtkDataSet* grid)
       }
       ++same->corners;
     }
+    const auto [lowest, highest] = std::minmax_element(ids.begin(), ids.end());
+    const int firstBlock = this->placeOf(*lowest).first;
+    if (firstBlock >= 0 && firstBlock == this->placeOf(*highest).first &&
+      this->idAt(firstBlock, { 1, 1, 1 }) - this->idAt(firstBlock, { 0, 0, 0 }) == *highest - *lowest)
+    {
+      // A whole cell of the block. In another order of corners, as Reflect makes them, the others say nothing.
+      if (found.empty() || found.front().corners < 8)
+      {
+        this->Merged.clear();
+        return;
+      }
+      continue;
+    }
     // Most corners have their numbers in the block that the cell is of.
     const auto fewer = [](const Cell& a, const Cell& b) { return a.corners < b.corners; };
     const auto most = std::max_element(found.begin(), found.end(), fewer);

@@ -252,10 +252,16 @@ public:
       {
         return -1;
       }
-      vtkDataArray* numbers = leaf.data->GetPointData()->GetArray("MeshPointIds");
       for (int c = 0; c < 4; ++c)
       {
-        ids[c] = static_cast<Index>(numbers->GetTuple1(static_cast<vtkIdType>(points[c] - leaf.firstPoint)));
+        // A point that was merged may be another grid's.
+        const HexLeaf& own = this->leafOf(points[c], &HexLeaf::firstPoint);
+        vtkDataArray* numbers = own.data->GetPointData()->GetArray("MeshPointIds");
+        if (!numbers)
+        {
+          return -1;
+        }
+        ids[c] = static_cast<Index>(numbers->GetTuple1(static_cast<vtkIdType>(points[c] - own.firstPoint)));
       }
       const FormerBoundaries::Name* name = former->second.find(ids);
       if (!name)

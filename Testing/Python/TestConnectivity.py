@@ -241,6 +241,18 @@ def test_reflect_and_merge_blocks():
     assert sorted(dimensions(blocks(found)[0])) == [5, 7, 25]
     assert bits(data) == bits(convert(whole)[0])
 
+    def control_points(data):
+        return sorted(block.GetPoint(p) for block in blocks(data) for p in range(block.GetNumberOfPoints()))
+
+    # Mirrored alone: what the mirrored mesh gives, in whatever direction its blocks run.
+    mirrored = with_names([grid((24, 6, 4), lambda i, j, k: (*bent(i, j, k)[:2], -bent(i, j, k)[2]))], WHOLE)
+    expected_points = control_points(convert(mirrored)[0])
+    for source in (read(), without_contacts()):
+        alone = simple.Reflect(Input=source, Plane="Z", Center=0.0, CopyInput=0)
+        data, report, _ = convert(alone)
+        assert roles(report) == expected, report
+        assert control_points(data) == expected_points
+
     reflected = simple.Reflect(Input=read(), Plane="Z Min", CopyInput=1)
     data, report, warnings = convert(reflected)
     assert roles(report)["inlet"] >= 1 and "wall below" in roles(report), report
