@@ -293,7 +293,8 @@ def legend(array, view, text, location="Lower Right Corner", **properties):
     bar.HorizontalTitle = 1
     bar.ScalarBarLength = 0.4
     bar.ScalarBarThickness = 10
-    bar.LabelFormat = bar.RangeLabelFormat = "%.3g"
+    # Since ParaView 6.1 a format of C++20.
+    bar.LabelFormat = bar.RangeLabelFormat = "{:.3g}" if pv.GetParaViewVersion() >= (6, 1) else "%.3g"
     for name, value in properties.items():
         setattr(bar, name, value)
     bar.Visibility = 1

@@ -320,7 +320,7 @@ public:
 
   void curvatures()
   {
-    for (const auto& [array, name] :
+    for (const auto [array, name] :
       { std::make_pair(&this->Mean, "MeanCurvature"), { &this->Gaussian, "GaussianCurvature" } })
     {
       *array = vtkSmartPointer<vtkFloatArray>::New();

@@ -13,7 +13,7 @@ vtkStandardNewMacro(vtkSMFieldArrayDomain);
 //------------------------------------------------------------------------------
 int vtkSMFieldArrayDomain::ReadXMLAttributes(vtkSMProperty* property, vtkPVXMLElement* element)
 {
-  for (const auto& [attribute, name] : { std::make_pair("present", &this->Present), { "absent", &this->Absent } })
+  for (const auto [attribute, name] : { std::make_pair("present", &this->Present), { "absent", &this->Absent } })
   {
     const char* value = element->GetAttribute(attribute);
     *name = value ? value : "";

@@ -23,6 +23,7 @@ inside() {
     root=$1 place=$2 ccache=$3 jobs=$4
     shift 4
     mount -t proc proc "$root/proc"
+    mount -t sysfs -o ro sysfs "$root/sys"
     mkdir -p "$root/dev/shm"
     mount -t tmpfs tmpfs "$root/dev/shm"
     set -- CI=true HOME=/root LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin ${jobs:+CMAKE_BUILD_PARALLEL_LEVEL=$jobs} "$@"
