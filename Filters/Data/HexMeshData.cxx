@@ -10,7 +10,6 @@
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
-#include <vtkCellTypes.h>
 #include <vtkDataSetAttributes.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
@@ -31,6 +30,14 @@
 #include <map>
 #include <set>
 #include <type_traits>
+
+#if __has_include(<vtkCellTypeUtilities.h>)
+#include <vtkCellTypeUtilities.h> // since VTK 9.6
+using CellTypeNames = vtkCellTypeUtilities;
+#else
+#include <vtkCellTypes.h>
+using CellTypeNames = vtkCellTypes;
+#endif
 
 namespace bsv
 {
@@ -442,7 +449,7 @@ private:
 
   static std::string typeName(int type)
   {
-    const char* name = vtkCellTypes::GetClassNameFromTypeId(type);
+    const char* name = CellTypeNames::GetClassNameFromTypeId(type);
     return std::string(name ? name : "cell") + " (type " + std::to_string(type) + ")";
   }
 
