@@ -211,6 +211,20 @@ struct WallPoints
   std::string report;
 };
 
+/// One attempt at the conversion.
+struct Conversion
+{
+  /// With the wall as it was fitted.
+  bsv::BlockComplex complex;
+  WallPoints wallPoints;
+  /// Shares of the displacements of wall points; empty: all 1.
+  std::vector<double> shares;
+  std::vector<vtkSmartPointer<vtkStructuredGrid>> nets;
+  std::vector<std::array<std::vector<double>, 3>> knots;
+  bsv::ConversionReport counts;
+  bsv::WallMotion motion;
+};
+
 std::string pointText(const bsv::Vec3& x)
 {
   std::ostringstream text;
@@ -393,7 +407,10 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
   if (options.continuity == bsv::Continuity::ExactG1)
   {
     const bsv::G1Report& g1 = counts.g1;
-    text << "exact G1 at " << g1.edges << " extraordinary edges in " << g1.layers << " layers of control points, "
+    text << (g1.givenUpLayers > 0
+                ? std::to_string(g1.givenUpLayers) + " layers keep their kinks: spans next to them would not be valid\n"
+                : std::string())
+         << "exact G1 at " << g1.edges << " extraordinary edges in " << g1.layers << " layers of control points, "
          << g1.skippedLayers << " layers near singular nodes and creases stay as they are; "
          << g1.fittedVertices + g1.linearVertices << " extraordinary vertices of the wall, " << g1.fittedVertices
          << " of them fitted to the body\n";
@@ -413,10 +430,6 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
 std::string spanText(
   const bsv::BlockComplex& complex, const bsv::ConversionOptions& options, const bsv::SpanReport& spans)
 {
-  if (options.continuity == bsv::Continuity::ExactG1)
-  {
-    return "spans with double knots were not checked\n";
-  }
   const bool all = options.checkSpans == bsv::CheckSpans::All || options.untangle;
   if (options.checkSpans == bsv::CheckSpans::None && !all)
   {
@@ -805,52 +818,15 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     {
       creases.bodyTurn = [&](const bsv::Vec3& x, double length) { return bsv::bodyTurn(*body, x, length); };
     }
-    bsv::BlockComplex complex = bsv::buildBlockComplex(mesh, complexOptions, creases, nullptr, execution(0.1, 0.37));
-    const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, execution(0.37, 0.4));
-    if (!this->AllowOpenInterior)
-    {
-      bsv::refuseSuspicious(mesh, diagnosis);
-    }
-    if (!found.empty())
-    {
-      complex.notes.push_back("wall found by the body: " + faceList(mesh, found));
-    }
-    for (const bsv::MeshFinding& finding : diagnosis.findings)
-    {
-      (finding.suspicious() ? complex.warnings : complex.notes).push_back(bsv::describe(mesh, finding));
-    }
 
-    // The conversion.
-    options.roles = bsv::boundaryRoles(complex, this->BodyBoundaries, this->SymmetryBoundaries);
-    for (std::size_t tag = 0; tag < options.roles.size(); ++tag)
-    {
-      const std::string& name = complex.boundaryNames[tag];
-      bsv::BoundaryRole& role = options.roles[tag];
-      role = this->BodySelection.has(name, role == bsv::BoundaryRole::Body)      ? bsv::BoundaryRole::Body
-        : this->SymmetrySelection.has(name, role == bsv::BoundaryRole::Symmetry) ? bsv::BoundaryRole::Symmetry
-                                                                                 : bsv::BoundaryRole::Other;
-    }
-    if (selected >= 0)
-    {
-      options.roles[selected] = bsv::BoundaryRole::Body;
-    }
-    for (const std::string& name : complex.boundaryNames)
-    {
-      const auto found = std::find_if(this->BoundaryWallSpacings.begin(), this->BoundaryWallSpacings.end(),
-        [&](const auto& entry) { return bsv::matchesAny({ entry.first }, name); });
-      options.boundaryWallSpacing.push_back(
-        found == this->BoundaryWallSpacings.end() ? std::numeric_limits<double>::quiet_NaN() : found->second);
-    }
     options.planarSides = static_cast<bsv::PlanarSides>(this->PlanarSides);
     options.planarTolerance = this->PlanarTolerance;
     options.twist = static_cast<bsv::Twist>(this->Twist);
-    options.continuity = static_cast<bsv::Continuity>(this->Continuity);
     options.wallSpacing = this->WallSpacing;
     options.automaticWallSpacing = this->WallSpacingMode == GROWTH;
     options.farFieldSpacing = static_cast<bsv::FarFieldSpacing>(this->FarFieldSpacing);
     options.propagationRange = this->PropagationRange;
     options.checkSpans = static_cast<bsv::CheckSpans>(this->CheckSpans);
-    options.repairSpans = this->RepairSpans;
     options.untangle = this->Untangle;
 
     bsv::BodyFitOptions fit;
@@ -858,69 +834,155 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     fit.tolerance = this->FitTolerance;
     fit.iterations = this->FitIterations;
     fit.range = this->PropagationRange;
-    const bsv::EntityRules rules = bsv::classify(complex, options, execution(0.4, 0.4));
-    const WallPoints wallPoints =
-      takeWallPoints(complex, options, rules, this->InputPoints, this->BodyBoundaries, fit, execution(0.4, 0.5));
 
-    // Control nets of blocks on other ranks stay null.
-    std::vector<vtkSmartPointer<vtkStructuredGrid>> nets(complex.blocks.size());
-    std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
-    const std::vector<std::array<std::vector<double>, 3>> knots = bsv::conversionKnots(complex, options);
-    std::vector<std::string> names;
-    ranks.together([&] {
-      for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+    const auto convertOnce = [&](Conversion& result, double first, double last) {
+      const auto part = [&](double from, double to) {
+        return execution(first + from * (last - first), first + to * (last - first));
+      };
+      bsv::BlockComplex& complex = result.complex;
+      complex = bsv::buildBlockComplex(mesh, complexOptions, creases, nullptr, part(0.0, 0.38));
+      const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, part(0.38, 0.42));
+      if (!this->AllowOpenInterior)
       {
-        if (complex.blocks[b].rank == ranks.rank())
+        bsv::refuseSuspicious(mesh, diagnosis);
+      }
+      if (!found.empty())
+      {
+        complex.notes.push_back("wall found by the body: " + faceList(mesh, found));
+      }
+      for (const bsv::MeshFinding& finding : diagnosis.findings)
+      {
+        (finding.suspicious() ? complex.warnings : complex.notes).push_back(bsv::describe(mesh, finding));
+      }
+
+      // The conversion.
+      options.roles = bsv::boundaryRoles(complex, this->BodyBoundaries, this->SymmetryBoundaries);
+      for (std::size_t tag = 0; tag < options.roles.size(); ++tag)
+      {
+        const std::string& name = complex.boundaryNames[tag];
+        bsv::BoundaryRole& role = options.roles[tag];
+        role = this->BodySelection.has(name, role == bsv::BoundaryRole::Body)      ? bsv::BoundaryRole::Body
+          : this->SymmetrySelection.has(name, role == bsv::BoundaryRole::Symmetry) ? bsv::BoundaryRole::Symmetry
+                                                                                   : bsv::BoundaryRole::Other;
+      }
+      if (selected >= 0)
+      {
+        options.roles[selected] = bsv::BoundaryRole::Body;
+      }
+      options.boundaryWallSpacing.clear();
+      for (const std::string& name : complex.boundaryNames)
+      {
+        const auto found = std::find_if(this->BoundaryWallSpacings.begin(), this->BoundaryWallSpacings.end(),
+          [&](const auto& entry) { return bsv::matchesAny({ entry.first }, name); });
+        options.boundaryWallSpacing.push_back(
+          found == this->BoundaryWallSpacings.end() ? std::numeric_limits<double>::quiet_NaN() : found->second);
+      }
+      options.continuity = static_cast<bsv::Continuity>(this->Continuity);
+      const bsv::EntityRules rules = bsv::classify(complex, options, part(0.42, 0.42));
+      result.wallPoints =
+        takeWallPoints(complex, options, rules, this->InputPoints, this->BodyBoundaries, fit, part(0.42, 0.55));
+
+      // Control nets of blocks on other ranks stay null.
+      std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
+      result.nets.resize(complex.blocks.size());
+      result.knots = bsv::conversionKnots(complex, options);
+      ranks.together([&] {
+        for (std::size_t b = 0; b < complex.blocks.size(); ++b)
         {
-          nets[b] = controlNet(complex.blocks[b], knots[b], storage[b]);
+          if (complex.blocks[b].rank == ranks.rank())
+          {
+            result.nets[b] = controlNet(complex.blocks[b], result.knots[b], storage[b]);
+          }
         }
-        names.push_back(complex.blocks[b].name);
-      }
-    });
-    // The wall may fold over its layers if it is followed exactly: shares of the displacements are lowered above
-    // failing spans until these are valid.
-    const auto convert = [&](bool repair) {
-      options.repairSpans = repair;
-      return bsv::convertToBSplineVolume(
-        complex, options, storage, execution(0.5, this->CheckJoins ? 0.8 : 1.0), &rules);
-    };
-    const bsv::BlockComplex unfitted = complex;
-    std::vector<double> shares;
-    const auto fitted = [&] {
-      complex = unfitted;
-      if (wallPoints.fit)
+      });
+      // The wall may fold over its layers if it is followed exactly: shares of the displacements are lowered above
+      // failing spans until these are valid. What exact joins change comes after that.
+      const auto convert = [&](bool repair, bsv::Continuity continuity) {
+        options.repairSpans = repair;
+        options.continuity = continuity;
+        result.counts = bsv::convertToBSplineVolume(complex, options, storage, part(0.55, 1.0), &rules);
+      };
+      const bsv::BlockComplex unfitted = complex;
+      const auto fitted = [&] {
+        complex = unfitted;
+        if (result.wallPoints.fit)
+        {
+          bsv::applyFit(complex, rules, *result.wallPoints.fit, result.shares, part(0.55, 0.55));
+        }
+      };
+      fitted();
+      const bsv::Continuity continuity = options.continuity;
+      const bool rounds = result.wallPoints.onBody && this->RepairSpans && this->CheckSpans != CHECK_NONE;
+      const auto& left = result.counts.spans.left;
+      if (rounds)
       {
-        bsv::applyFit(complex, rules, *wallPoints.fit, shares, execution(0.5, 0.5));
+        constexpr int MaxRounds = 30;
+        convert(false, bsv::Continuity::SingleKnots);
+        for (int round = 0; round <= MaxRounds && !left.empty(); ++round)
+        {
+          if (!bsv::lowerShares(
+                unfitted, rules, *result.wallPoints.fit, left, round < MaxRounds ? 0.9 : 0.0, result.shares, ranks))
+          {
+            break;
+          }
+          fitted();
+          convert(false, bsv::Continuity::SingleKnots);
+        }
       }
+      if (!rounds || !left.empty() || continuity != bsv::Continuity::SingleKnots)
+      {
+        convert(this->RepairSpans, continuity);
+      }
+      result.motion = bsv::wallMotion(unfitted, complex, options, rules, part(1.0, 1.0));
     };
-    fitted();
-    const bool rounds = wallPoints.onBody && this->RepairSpans && this->CheckSpans != CHECK_NONE;
-    bsv::ConversionReport counts = convert(this->RepairSpans && !rounds);
-    if (rounds && !counts.spans.left.empty())
+    const double end = this->CheckJoins ? 0.8 : 1.0;
+    Conversion result;
+    convertOnce(result, 0.1, end);
+    // A sharp edge, taken as smooth, can be rounded by more than the layers above it are thick. No point inside mends
+    // that; a crease does.
+    std::string creaseText;
+    if (this->RepairSpans && !this->UseCreaseAngle && !result.counts.spans.left.empty())
     {
-      constexpr int MaxRounds = 30;
-      for (int round = 0; round <= MaxRounds && !counts.spans.left.empty(); ++round)
+      complexOptions.creaseAngle = this->CreaseAngle;
+      Conversion other;
+      bool converted = true;
+      try
       {
-        if (!bsv::lowerShares(
-              unfitted, rules, *wallPoints.fit, counts.spans.left, round < MaxRounds ? 0.9 : 0.0, shares, ranks))
-        {
-          break;
-        }
-        fitted();
-        counts = convert(false);
+        convertOnce(other, end, end);
       }
-      if (!counts.spans.left.empty())
+      catch (const bsv::Aborted&)
       {
-        counts = convert(true);
+        throw;
+      }
+      catch (const bsv::Error&)
+      {
+        converted = false;
+      }
+      if (converted && other.counts.spans.left.size() < result.counts.spans.left.size())
+      {
+        creaseText = "without creases " + std::to_string(result.counts.spans.left.size()) +
+          " spans are not valid: boundary edges that turn by more than " + bsv::shortNumber(this->CreaseAngle) +
+          " degrees (Crease Angle, Crease Contrast) were taken as creases, " +
+          std::to_string(other.counts.spans.left.size()) + " such spans are left; " +
+          std::to_string(result.complex.blocks.size()) + " blocks became " +
+          std::to_string(other.complex.blocks.size());
+        result = std::move(other);
       }
     }
-    const bsv::WallMotion motion = bsv::wallMotion(
-      unfitted, complex, options, rules, execution(this->CheckJoins ? 0.8 : 1.0, this->CheckJoins ? 0.8 : 1.0));
+    const bsv::BlockComplex& complex = result.complex;
+    const std::vector<std::array<std::vector<double>, 3>>& knots = result.knots;
+    const bsv::ConversionReport& counts = result.counts;
+    const WallPoints& wallPoints = result.wallPoints;
+    std::vector<std::string> names;
+    for (const bsv::ComplexBlock& block : complex.blocks)
+    {
+      names.push_back(block.name);
+    }
 
     const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
 
     // The output.
-    bsv::setBlocks(output, nets, names, "BSplineVolume");
+    bsv::setBlocks(output, result.nets, names, "BSplineVolume");
     setContacts(output, complex);
     // The pipeline passes on that of the input, in mesh points of blocks that may have been cut.
     bsv::setCreases(output->GetFieldData(), creasesOfNets(mesh.creases, complex, knots));
@@ -991,9 +1053,15 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       verdictText += line + '\n';
     }
     bsv::setText(verdict, verdictText.substr(0, verdictText.size() - 1));
-    this->Report = verdictText + reportText(complex, classes, options, wallPoints, counts, knots) + shareText(shares) +
-      motionText(motion, wallPoints.onBody) + spanText(complex, options, counts.spans) + rankText(complex, received);
+    this->Report = verdictText + reportText(complex, classes, options, wallPoints, counts, knots) +
+      (creaseText.empty() ? "" : creaseText + '\n') + shareText(result.shares) +
+      motionText(result.motion, wallPoints.onBody) + spanText(complex, options, counts.spans) +
+      rankText(complex, received);
     std::vector<std::string> warnings = complex.warnings;
+    if (!creaseText.empty())
+    {
+      warnings.push_back(creaseText);
+    }
     if (!counts.spans.left.empty())
     {
       const bsv::SpanReport::Place& first = counts.spans.left.front();

@@ -5,7 +5,6 @@
 #include "Conversion/DoubleKnots.h"
 #include "Conversion/EdgeConversion.h"
 #include "Conversion/FaceConversion.h"
-#include "Conversion/G1Joins.h"
 #include "Conversion/SpanRepair.h"
 #include "Conversion/SurfaceConversion.h"
 #include "Conversion/VertexConversion.h"
@@ -342,19 +341,20 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
   {
     placeExtension(context, stars, layer, run);
   }
-  const Index singularNodes = convertAll(context, stars, run);
   ConversionReport report;
+  Index singularNodes = 0;
+  const auto convert = [&] {
+    singularNodes = convertAll(context, stars, run);
+    return options.wallOnly ? SpanReport{} : checkSpans(context, run);
+  };
+  report.spans = convert();
   if (options.continuity == Continuity::ExactG1)
   {
-    report.g1 = makeExactG1(stars.complex(), rules, keeps, options, nets, run);
+    report.g1 = joinAndCheck(context, convert, report.spans, run);
   }
   report.planarFaces = rules.planarFaces;
   layer.describe(report);
   countAll(context, singularNodes, run, report);
-  if (!options.wallOnly && options.continuity != Continuity::ExactG1)
-  {
-    report.spans = checkSpans(context, run);
-  }
   return report;
 }
 

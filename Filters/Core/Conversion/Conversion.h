@@ -156,6 +156,8 @@ struct G1Report
   Index edges = 0;
   Index layers = 0;
   Index skippedLayers = 0;
+  /// Of the latter those next to spans that the joins would have made invalid.
+  Index givenUpLayers = 0;
   /// Extraordinary vertices of the wall: fitted to the body, of these with the smaller net, and joined by the linear
   /// rule alone.
   Index fittedVertices = 0;
@@ -163,7 +165,8 @@ struct G1Report
   Index linearVertices = 0;
 };
 
-/// What became of the checked spans. Places are a block of the complex and a cell of it.
+/// What became of the checked spans. Places are a block of the complex and a cell of it. With ExactG1 the spans of the
+/// joined nets are checked; what is repaired before and what the joins give up counts as repaired.
 struct SpanReport
 {
   struct Place

@@ -65,12 +65,15 @@ class Joiner
 {
 public:
   Joiner(const BlockComplex& complex, const EntityRules& rules, const FaceKeeps& keeps,
-    const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const Execution& run)
+    const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const std::vector<JoinedSpan>& avoid,
+    bool joinNothing, const Execution& run)
     : Complex(complex)
     , Rules(rules)
     , Keeps(keeps)
     , Options(options)
     , Nets(nets)
+    , Avoid(avoid)
+    , JoinNothing(joinNothing)
     , Run(run)
     , Doubled(doubleKnotDirections(complex, options))
     , FanOfEdge(complex.edges.size(), -1)
@@ -92,6 +95,7 @@ public:
         }
       });
       this->findFans();
+      this->giveUp();
       for (const NetFan& fan : this->Fans)
       {
         this->JoinRuleOf.prepare(fan.shape);
@@ -140,6 +144,7 @@ public:
         for (int layer = 0; layer < this->Fans[f].layers; ++layer)
         {
           ++(this->isJoined(static_cast<int>(f), layer) ? this->Report.layers : this->Report.skippedLayers);
+          this->Report.givenUpLayers += this->isGivenUp(static_cast<int>(f), layer) ? 1 : 0;
         }
         this->Report.edges += this->Fans[f].edge >= 0 ? 1 : 0;
       }
@@ -234,6 +239,45 @@ private:
       this->addVertex(v);
     }
   }
+
+  /// Marks the layers next to spans to avoid, and leaves out what is carried into these.
+  void giveUp()
+  {
+    this->GivenUp.resize(this->Fans.size());
+    for (std::size_t f = 0; f < this->Fans.size(); ++f)
+    {
+      const NetFan& fan = this->Fans[f];
+      std::vector<bool>& given = this->GivenUp[f];
+      given.assign(this->JoinNothing ? fan.layers : 0, true);
+      for (const JoinedSpan& span : this->Avoid)
+      {
+        for (const NetSector& sector : fan.sectors)
+        {
+          // Nearest and farthest of the span's four control points from the edge or its first layer.
+          const auto nearest = [&](int d, bool fromEnd) {
+            return fromEnd ? this->count(span.block, d) - 4 - span.first[d] : span.first[d];
+          };
+          if (sector.block != span.block || nearest(sector.first, sector.firstFromEnd) > Reach + 1 ||
+            nearest(sector.second, sector.secondFromEnd) > Reach + 1)
+          {
+            continue;
+          }
+          given.resize(fan.layers, false);
+          const int first = fan.layers > 1 ? nearest(sector.along, sector.alongFromEnd) : 0;
+          for (int layer = first; layer < std::min(first + 4, fan.layers); ++layer)
+          {
+            given[layer] = true;
+          }
+        }
+      }
+    }
+    const auto touched = [&](const auto& end) { return !this->GivenUp[end.fan].empty(); };
+    this->WallVertices.erase(
+      std::remove_if(this->WallVertices.begin(), this->WallVertices.end(), touched), this->WallVertices.end());
+    this->Groups.erase(std::remove_if(this->Groups.begin(), this->Groups.end(), touched), this->Groups.end());
+  }
+
+  bool isGivenUp(int f, int layer) const { return !this->GivenUp[f].empty() && this->GivenUp[f][layer]; }
 
   void addEdge(int e)
   {
@@ -538,7 +582,7 @@ private:
   bool isJoined(int f, int layer) const
   {
     const NetFan& fan = this->Fans[f];
-    if (layer < fan.skipped[0] || layer >= fan.layers - fan.skipped[1])
+    if (layer < fan.skipped[0] || layer >= fan.layers - fan.skipped[1] || this->isGivenUp(f, layer))
     {
       return false;
     }
@@ -691,6 +735,17 @@ private:
     }
   }
 
+  /// The rule of a control point that was changed.
+  void mark(int block, const Ijk& position) const
+  {
+    std::uint8_t& rule = this->Nets[block].rules[this->index(block, position)];
+    if (rule == static_cast<std::uint8_t>(ControlPointRule::Copied) ||
+      rule == static_cast<std::uint8_t>(ControlPointRule::Regular))
+    {
+      rule = static_cast<std::uint8_t>(ControlPointRule::ExtraordinaryEdge);
+    }
+  }
+
   void write(const NetFan& fan, int layer, const LocalNetShape& shape, const std::vector<Vec3>& net) const
   {
     if (net.empty())
@@ -702,13 +757,7 @@ private:
       if (to != net[a])
       {
         to = net[a];
-        std::uint8_t& rule = this->Nets[block].rules[this->index(block, position)];
-        const auto copied = static_cast<std::uint8_t>(ControlPointRule::Copied);
-        const auto regular = static_cast<std::uint8_t>(ControlPointRule::Regular);
-        if (rule == copied || rule == regular)
-        {
-          rule = static_cast<std::uint8_t>(ControlPointRule::ExtraordinaryEdge);
-        }
+        this->mark(block, position);
       }
     });
   }
@@ -954,6 +1003,7 @@ private:
             if (this->isHere(sector.block))
             {
               this->point(sector.block, position) = x;
+              this->mark(sector.block, position);
             }
           };
           put(fan.sectors[before], this->place(fan.sectors[before], layer, 1, i), l - defect / (2.0 * wl));
@@ -1148,9 +1198,13 @@ private:
   const FaceKeeps& Keeps;
   const ConversionOptions& Options;
   const std::vector<ControlNetStorage>& Nets;
+  const std::vector<JoinedSpan>& Avoid;
+  const bool JoinNothing;
   const Execution& Run;
   const std::vector<std::array<bool, 3>> Doubled;
   std::vector<NetFan> Fans;
+  /// Per fan and layer, whether it is next to a span to avoid; empty: none is.
+  std::vector<std::vector<bool>> GivenUp;
   std::vector<int> FanOfEdge;
   std::vector<Group> Groups;
   std::vector<WallVertex> WallVertices;
@@ -1165,9 +1219,10 @@ private:
 } // namespace
 
 G1Report makeExactG1(const BlockComplex& complex, const EntityRules& rules, const FaceKeeps& keeps,
-  const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const Execution& run)
+  const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const std::vector<JoinedSpan>& avoid,
+  bool joinNothing, const Execution& run)
 {
-  return Joiner(complex, rules, keeps, options, nets, run).join();
+  return Joiner(complex, rules, keeps, options, nets, avoid, joinNothing, run).join();
 }
 
 } // namespace bsv

@@ -10,7 +10,8 @@
 /// edge, h the edge length on the wall, r the propagation range: it fulfils the same conditions, at every w.
 ///
 /// Left out, because the layers are not smooth there already: layers near singular nodes (up to the fourth control
-/// layer), layers where a face that rises from a crease keeps its points, corners. Layers that keep their points on
+/// layer), layers where a face that rises from a crease keeps its points, corners. So are layers next to spans that a
+/// former attempt made invalid; the wall at the ends of such edges is not fitted. Layers that keep their points on
 /// planar sides have their c_1 moved as little as condition (a) needs: they stay in their planes.
 #pragma once
 
@@ -23,8 +24,18 @@
 namespace bsv
 {
 
+/// A span by its block and the first of its control points per direction, in the nets with double knots.
+struct JoinedSpan
+{
+  int block;
+  Ijk first;
+};
+
 /// Makes nets with single knots, each at the start of storage for the larger one, exactly G1. Collective.
+/// @param avoid spans next to which layers are not joined, the same on all ranks.
+/// @param joinNothing double knots are inserted, nothing is changed.
 G1Report makeExactG1(const BlockComplex& complex, const EntityRules& rules, const FaceKeeps& keeps,
-  const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const Execution& run);
+  const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const std::vector<JoinedSpan>& avoid,
+  bool joinNothing, const Execution& run);
 
 } // namespace bsv

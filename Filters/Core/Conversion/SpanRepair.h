@@ -26,6 +26,9 @@
 #pragma once
 
 #include "Conversion/ConversionContext.h"
+#include "Conversion/G1Joins.h"
+
+#include <functional>
 
 namespace bsv
 {
@@ -33,5 +36,13 @@ namespace bsv
 /// Certifies the spans chosen by ConversionOptions::checkSpans and repairs them, if ConversionOptions::repairSpans.
 /// The nets must be converted; `context.moved` must be null. Collective; the report is the same on all ranks.
 SpanReport checkSpans(const ConversionContext& context, const Execution& run);
+
+/// ExactG1: the nets, converted and checked as above, get double knots and joins (G1Joins.h); then their spans are
+/// certified. Where the joins make spans invalid that were valid, layers next to them are left as they are, in rounds,
+/// if ConversionOptions::repairSpans; at last all are.
+/// @param convert makes the nets with single knots again, with their check and repair. Collective.
+/// @param[in,out] spans the report of checkSpans().
+G1Report joinAndCheck(const ConversionContext& context, const std::function<SpanReport()>& convert, SpanReport& spans,
+  const Execution& run);
 
 } // namespace bsv

@@ -132,6 +132,12 @@ void expectSame(const ConversionReport& a, const ConversionReport& b)
   EXPECT_EQ(a.wallSpacing, b.wallSpacing);
   EXPECT_EQ(a.g1.layers, b.g1.layers);
   EXPECT_EQ(a.g1.fittedVertices, b.g1.fittedVertices);
+  EXPECT_EQ(a.g1.givenUpLayers, b.g1.givenUpLayers);
+  EXPECT_EQ(a.spans.checked, b.spans.checked);
+  EXPECT_EQ(a.spans.repaired, b.spans.repaired);
+  EXPECT_EQ(a.spans.left.size(), b.spans.left.size());
+  EXPECT_EQ(a.spans.movedPoints, b.spans.movedPoints);
+  EXPECT_EQ(a.spans.largestMove, b.spans.largestMove);
 }
 
 /// Converts the case on several ranks, block b on rankOf[b], and compares with the serial result.
@@ -408,6 +414,19 @@ TEST(DistributedConversion, TwoWallsInOnePlace)
   test.options = withRoles({ BoundaryRole::Body, BoundaryRole::Body });
   test.options.boundaryWallSpacing = { 0.5, 0.9 };
   EXPECT_EQ(expectSerialBits(test, 4).report.wallSpacing, (std::array<double, 2>{ 0.5, 0.9 }));
+}
+
+TEST(DistributedConversion, RepairOfSpans)
+{
+  Index repaired = 0;
+  for (unsigned seed = 1; seed <= 24; ++seed)
+  {
+    ConversionOptions options;
+    options.planarSides = PlanarSides::None;
+    repaired += expectSerialBits({ "boxes " + std::to_string(seed), meshcases::randomBoxes(seed), options }, 2)
+                  .report.spans.repaired;
+  }
+  EXPECT_GT(repaired, 0);
 }
 
 TEST(DistributedConversion, ExactG1)

@@ -4,6 +4,7 @@
 #include "Support/BodyCases.h"
 #include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
+#include "Wall/BodyFit.h"
 
 #include <gtest/gtest.h>
 
@@ -176,6 +177,46 @@ TEST(ValidSpans, RepairOfWhatSmoothingFolds)
     EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), options)) == conversioncases::canonicalNet(after));
   }
   EXPECT_GT(failed, 0);
+}
+
+// A wall that is moved onto its points may fold cells that were valid: these spans are for the conversion to answer
+// for.
+TEST(ValidSpans, CellsAreJudgedAsTheMeshHasThem)
+{
+  MeshCase mesh = bluntEdge(20.0, 0.3, 1e-2);
+  ConversionOptions options;
+  options.roles = { BoundaryRole::Body };
+  options.repairSpans = false;
+  Converted converted;
+  converted.complex = buildBlockComplex(mesh.mesh());
+  fitBody(converted.complex, options, {});
+  conversioncases::convertComplex(converted, options);
+  EXPECT_GT(converted.report.spans.left.size(), 0U);
+  EXPECT_EQ(converted.report.spans.invalidCells, 0);
+}
+
+// Exact joins are given up where they would make spans invalid; the report says what the spans are.
+TEST(ValidSpans, ExactG1)
+{
+  for (unsigned seed = 1; seed <= 12; ++seed)
+  {
+    SCOPED_TRACE(seed);
+    MeshCase mesh = meshcases::randomBoxes(seed);
+    ConversionOptions options;
+    options.planarSides = PlanarSides::None;
+    options.checkSpans = CheckSpans::All;
+    const Converted single = convert(mesh.mesh(), options);
+    options.continuity = Continuity::ExactG1;
+    const Converted exact = convert(mesh.mesh(), options);
+    EXPECT_EQ(exact.report.spans.left.size() + exact.report.spans.invalidCells, std::size_t(notProven(exact)));
+    EXPECT_EQ(exact.report.g1.layers + exact.report.g1.skippedLayers > 0, exact.report.g1.edges > 0);
+    if (notProven(single) == 0)
+    {
+      EXPECT_EQ(notProven(exact), 0);
+    }
+    options.repairSpans = false;
+    EXPECT_LE(notProven(exact), notProven(convert(mesh.mesh(), options)));
+  }
 }
 
 // Inverted cells: moved points make all spans valid, and none that was valid becomes invalid.
