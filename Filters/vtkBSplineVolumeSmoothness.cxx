@@ -331,7 +331,7 @@ Row rowOf(const bsv::Join& join, const std::vector<std::string>& names)
   const JumpKind kind = join.crease ? JumpKind::NormalS : join.rankedBy();
   const bool angle = kind == JumpKind::Layer || kind == JumpKind::NormalS;
   return { bsv::joinClassName(classified.of), std::string(kindOf(join)) + ", " + classified.reason,
-    names[join.sides[0].block] + " | " + names[join.sides[1].block],
+    names[join.sides[0].block] + " / " + names[join.sides[1].block],
     bsv::shortNumber(join.worst[int(kind)].value) + (angle ? " degrees" : ""), measureName(kind) };
 }
 

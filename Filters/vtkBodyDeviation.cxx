@@ -565,45 +565,44 @@ vtkDataObject* bodyOfConversion(vtkAlgorithm* filter)
   return nullptr;
 }
 
-/// Where the wall is farthest from the body, and the normal of the body there. Collective.
 struct Place
 {
-  double distance = -1.0;
-  Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();
+  double distance;
+  Vec3 point;
 };
 
+/// Where the wall is farthest from the body. Collective.
 Place placeOfMaximum(vtkPolyData* wall, const bsv::Ranks& ranks)
 {
   vtkDataArray* distances = wall->GetPointData()->GetArray("Distance");
-  vtkDataArray* normals = wall->GetPointData()->GetArray("SurfaceNormal");
-  using Seven = std::array<double, 7>;
-  Seven worst{ -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+  using Four = std::array<double, 4>;
+  Four worst{ -1.0, 0.0, 0.0, 0.0 };
   for (vtkIdType n = 0; distances && n < distances->GetNumberOfTuples(); ++n)
   {
-    Seven here{ distances->GetTuple1(n) };
+    Four here{ distances->GetTuple1(n), 0.0, 0.0, 0.0 };
     wall->GetPoint(n, here.data() + 1);
-    normals->GetTuple(n, here.data() + 4);
     worst = std::max(worst, here);
   }
-  for (const Seven& other : ranks.gatherAll(std::vector<Seven>{ worst }))
+  for (const Four& other : ranks.gatherAll(std::vector<Four>{ worst }))
   {
     worst = std::max(worst, other);
   }
-  return { worst[0], Vec3(worst.data() + 1), Vec3(worst.data() + 4) };
+  return { worst[0], Vec3(worst.data() + 1) };
 }
 
-/// A pin at the place: a point, and a line that stands out from the wall.
-void setPin(vtkPolyData* output, const Place& place, const bsv::BodySurface& wall)
+/// Cross hairs at the place: a point, and lines along the axes, which stand out of the body wherever one looks from.
+void setCrossHairs(vtkPolyData* output, const Place& place, const bsv::BodySurface& wall)
 {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
-  const double length = 0.15 * wall.size();
-  points->InsertNextPoint(place.point.data());
-  points->InsertNextPoint(Vec3(place.point + length * place.normal.normalized()).data());
   vtkNew<vtkCellArray> verts, lines;
-  verts->InsertNextCell({ 0 });
-  lines->InsertNextCell({ 0, 1 });
+  verts->InsertNextCell({ points->InsertNextPoint(place.point.data()) });
+  for (int d = 0; d < 3; ++d)
+  {
+    const Vec3 half = 0.15 * wall.size() * Vec3::Unit(d);
+    lines->InsertNextCell({ points->InsertNextPoint(Vec3(place.point - half).data()),
+      points->InsertNextPoint(Vec3(place.point + half).data()) });
+  }
   output->SetPoints(points);
   output->SetVerts(verts);
   output->SetLines(lines);
@@ -696,13 +695,13 @@ int vtkBodyDeviation::RequestData(
   vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
   vtkDataObject* bodyData = given ? given : bodyOfConversion(this);
   auto* verdict = vtkTable::GetData(outputVector, 1);
-  auto* pin = vtkPolyData::GetData(outputVector, 2);
-  if (!output || !verdict || !pin)
+  auto* crossHairs = vtkPolyData::GetData(outputVector, 2);
+  if (!output || !verdict || !crossHairs)
   {
     vtkErrorMacro("Output is missing.");
     return 0;
   }
-  pin->Initialize();
+  crossHairs->Initialize();
   this->Report.clear();
   bsv::setText(verdict, "");
   this->MaximumDistance = this->RMSDistance = this->MaximumNormalDeviation = this->HausdorffDistance = 0.0;
@@ -792,7 +791,7 @@ int vtkBodyDeviation::RequestData(
     const Place farthest = placeOfMaximum(wallData, ranks);
     if (ranks.rank() == 0)
     {
-      setPin(pin, farthest, *wall);
+      setCrossHairs(crossHairs, farthest, *wall);
     }
     this->Report = text + "\nHausdorff distance, over the samples: " + bsv::shortNumber(this->HausdorffDistance) +
       "\nfarthest at " + bsv::shortNumber(farthest.point[0]) + ' ' + bsv::shortNumber(farthest.point[1]) + ' ' +

@@ -32,8 +32,8 @@
  * over samples.
  *
  * Output port 1 (`Verdict`): a vtkTable with one row and the column `Text`, as ParaView shows it in the view.
- * Output port 2 (`Farthest`): a pin where the wall is farthest from the body, on the first rank: a point of the wall
- * and a line off it. Field data: `MaximumDistance`.
+ * Output port 2 (`Farthest`), on the first rank: a point where the wall is farthest from the body, and cross hairs,
+ * three lines through it. Field data: `MaximumDistance`.
  *
  * On several ranks each gives the wall of its own blocks, and the rank that has the tessellation (the lowest, if
  * several have it) the body; totals are those of all, the same bits for any distribution. The body's patches may be on

@@ -17,7 +17,6 @@
 #include <dlfcn.h>
 #endif
 
-// The locator looks symbols up by their plain names.
 extern "C" BSPLINEVOLUMEDISPLAYS_EXPORT void bsvDisplaysLibrary() {}
 
 namespace bsv
@@ -28,7 +27,15 @@ namespace
 
 std::string libraryFolder()
 {
+#ifdef _WIN32
   return vtksys::SystemTools::GetFilenamePath(vtkGetLibraryPathForSymbol(bsvDisplaysLibrary));
+#else
+  // By its address: names are found only in libraries that were opened for all.
+  Dl_info here;
+  return dladdr(reinterpret_cast<const void*>(&bsvDisplaysLibrary), &here)
+    ? vtksys::SystemTools::GetFilenamePath(vtksys::SystemTools::CollapseFullPath(here.dli_fname))
+    : std::string();
+#endif
 }
 
 /// Whether this process has ParaView's Qt application, which none of our libraries here links.

@@ -52,6 +52,7 @@ void bsvJoinsDock::build()
   this->setWindowTitle("Joins of B-Spline Volumes");
   this->setObjectName("bsvJoinsDock");
   auto* body = new QWidget(this);
+  body->setObjectName("Body");
   auto* layout = new QVBoxLayout(body);
   layout->setContentsMargins(2, 2, 2, 2);
   this->Title = new QLabel("Apply BSpline Volume Smoothness to see its joins, defects first.", body);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * When the plugin is loaded, makes room for its panels: the docks of the properties get at least 400 pixels.
+ * When the plugin is loaded, makes room for its panels: the docks of the properties get at least 400 pixels. From then
+ * on a new conversion begins with the NURBS surface that the session has, if it is the only one, as its body.
  */
 #ifndef bsvStart_h
 #define bsvStart_h

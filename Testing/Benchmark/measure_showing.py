@@ -26,7 +26,7 @@ def measured(source, port=0, representation=None):
     if representation:
         display = simple.Show(simple.OutputPort(source, port), view, representation)
         display.SetRepresentationType("Surface")
-        simple.ColorBy(display, None)
+        display.SetScalarColoring(None, 0)
     else:
         CONTROLLER().ShowInPreferredView(source.SMProxy, port, view.SMProxy)
     simple.ResetCamera(view)
@@ -54,9 +54,12 @@ def main(plugin, *resolutions):
         points = mesh.GetDataInformation(0).GetNumberOfPoints()
         pictures = [("mesh as Surface", reference), ("mesh", measured(mesh)), ("volume", measured(volume))]
         if resolution <= 20:
-            smoothness = simple.BSplineVolumeSmoothness(Input=volume)
-            pictures.append(("Smoothness", measured(smoothness)))
-            simple.Delete(smoothness)
+            for name in ("HexBlockTopology", "BSplineVolumeQuality", "BSplineVolumeSmoothness",
+                         "BSplineVolumeSampler", "BSplineVolumeToBezierCells"):
+                of_mesh = name == "HexBlockTopology"
+                source = getattr(simple, name)(Input=mesh if of_mesh else volume)
+                pictures.append((name, measured(source, 4 if name == "BSplineVolumeSmoothness" else 0)))
+                simple.Delete(source)
         for name, (first, frame) in pictures:
             print("| %d | %s | %.2f | %.2f | %.3f | %.2f |" % (
                 points, name, first, first / reference[0], frame, frame / reference[1]), flush=True)

@@ -4,24 +4,30 @@
 Arguments: the paraview program, the plugin's folder, a folder for the files, the name of the recording.
 """
 import csv
+import math
 import os
+import re
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree as ElementTree
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "..", "Examples"))
 import bsplinevolume
+import make_body_case
 import make_demo_mesh
 from vtkmodules.vtkIOImage import vtkPNGReader
 
 
-def converted(mesh):
+def converted(mesh, body=None):
     """The volume of the mesh file, made without the window."""
     reader = bsplinevolume.vtkHexBlockMeshReader()
     reader.SetFileName(mesh)
     convert = bsplinevolume.vtkCatmullClarkToBSplineVolume()
     convert.SetInputConnection(reader.GetOutputPort())
+    if body:
+        convert.SetInputConnection(1, body.GetOutputPort())
     convert.Update()
     return convert
 
@@ -40,14 +46,41 @@ def compare(convert, topology):
     return count
 
 
-def check_ConvertAndSave(mesh, folder):
-    assert compare(converted(mesh), os.path.join(folder, "demo.qfmb")) >= 11
+def clicks(recording):
+    """Events of each part of a recording after a comment "what: most clicks", and how many there may be."""
+    with open(os.path.join(HERE, recording + ".xml")) as file:
+        parts = re.split(r"<!-- ([^:>]*): (\d+) -->", file.read())
+    return {parts[n]: (parts[n + 2].count("<pqevent "), int(parts[n + 1])) for n in range(1, len(parts), 3)}
+
+
+def check_Jobs(mesh, folder):
+    counted = clicks("Jobs")
+    assert all(0 < count <= most for count, most in counted.values()), counted
+    print("clicks:", {job: count for job, (count, _) in counted.items()})
+    # The export is the conversion with the body.
+    body = bsplinevolume.vtkNURBSSurfaceReader()
+    body.SetFileName(os.path.join(folder, "ellipsoid.g2"))
+    volume = converted(os.path.join(folder, "ellipsoid.xyz"), body)
+    assert compare(volume, os.path.join(folder, "body.qfmb")) == 6
+    # The camera looks at the middle of the worst join.
+    smoothness = bsplinevolume.vtkBSplineVolumeSmoothness()
+    smoothness.SetInputConnection(volume.GetOutputPort())
+    smoothness.Update()
+    bounds = smoothness.GetOutputDataObject(4).GetCell(0).GetBounds()
+    state = ElementTree.parse(os.path.join(folder, "worst.pvsm"))
+    looked_at = [[float(element.get("value")) for element in prop.iter("Element")]
+                 for proxy in state.iter("Proxy") if proxy.get("type") == "RenderView"
+                 for prop in proxy.iter("Property") if prop.get("name") == "CameraFocalPoint"]
+    middle = [(bounds[2 * d] + bounds[2 * d + 1]) / 2 for d in range(3)]
+    assert len(looked_at) == 1 and math.dist(looked_at[0], middle) < 1e-6, (looked_at, middle)
 
 
 def check_WingFuselage(_mesh, folder):
+    # The window has chosen the only body that there is.
     source = bsplinevolume.vtkWingFuselageSource()
     convert = bsplinevolume.vtkCatmullClarkToBSplineVolume()
     convert.SetInputConnection(source.GetOutputPort(0))
+    convert.SetInputConnection(1, source.GetOutputPort(1))
     convert.Update()
     assert compare(convert, os.path.join(folder, "wing.qfmb")) == 79
 
@@ -88,6 +121,7 @@ def check_Inspect(mesh, folder):
 def main(paraview, plugin_folder, folder, recording):
     shutil.rmtree(folder, ignore_errors=True)
     mesh = make_demo_mesh.write_demo(folder, 4)
+    make_body_case.write_case(folder, 4)
     subprocess.run([paraview, "--dr", "--plugin-search-paths=" + plugin_folder, "--plugins=BSplineVolume",
                     "--test-directory=" + folder, "--test-script=" + os.path.join(HERE, recording + ".xml"), "--exit"],
                    check=True, timeout=240, env=dict(os.environ, HOME=folder, XDG_RUNTIME_DIR=folder))

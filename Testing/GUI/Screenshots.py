@@ -14,11 +14,9 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 from paraview import servermanager
-from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkIOImage import vtkPNGWriter
 import numpy as np
 
 MENU = "pqClientMainWindow/menubar"
@@ -68,27 +66,28 @@ def selected(place):
     return [(BROWSER, "currentChanged", place)]
 
 
-def body_chosen(name):
-    """The drop-down of the body in the panel."""
-    panel = "pqClientMainWindow/propertiesDock/propertiesPanel/"
-    return [(panel + "scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/ProxyPanel/Body/1QComboBox0",
-             "set_string", name)]
+def own_menu(name):
+    """The menu of the plugin in the menu bar."""
+    return [(MENU, "activate", "BSplineVolume"), ("pqClientMainWindow/BSplineVolume", "activate", name)]
 
 
 WING = source("WingFuselageSource")
+# The body is that of the source, the only one there is.
 CONVERTED = WING + filtered("CatmullClarkToBSplineVolume")
 SHOTS = {
     "wing_mesh": WING,
     "wing_volume": CONVERTED,
-    "wing_topology": WING + filtered("HexBlockTopology"),
-    "wing_spacing": WING + filtered("WallSpacing"),
+    "topology": WING + filtered("HexBlockTopology"),
+    "wall_spacing": WING + filtered("WallSpacing"),
+    "mirror": WING + filtered("MirrorHexBlocks"),
+    "hex_mesh": WING + menu("menuFilters", "Alphabetical", "MergeBlocks") + [APPLY] + filtered("HexMeshToBlocks"),
     "quality": CONVERTED + filtered("BSplineVolumeQuality"),
     "smoothness": CONVERTED + filtered("BSplineVolumeSmoothness"),
     "sampler": CONVERTED + filtered("BSplineVolumeSampler"),
     "bezier": CONVERTED + filtered("BSplineVolumeToBezierCells"),
-    "wing_body": WING + chosen_filter("CatmullClarkToBSplineVolume") + body_chosen("WingFuselageSource1:Body") + [APPLY],
-    "deviation": WING + chosen_filter("CatmullClarkToBSplineVolume") + body_chosen("WingFuselageSource1:Body") +
-    [APPLY] + filtered("BodyDeviation"),
+    "deviation": CONVERTED + filtered("BodyDeviation"),
+    "before_and_after": CONVERTED + own_menu("bsvBeforeAndAfter"),
+    "control_points": CONVERTED + own_menu("bsvControlPoints"),
 }
 
 
@@ -97,8 +96,7 @@ def real_shots(data):
     body = opened(os.path.join(data, "surfaces/onera_m6_machaero.igs"))
     return {
         "near_tip": near_tip,
-        "near_tip_body": near_tip + body + selected("/0/0|0") + chosen_filter("CatmullClarkToBSplineVolume") +
-        body_chosen("onera_m6_machaero.igs") + [APPLY],
+        "near_tip_body": near_tip + body + selected("/0/0|0") + filtered("CatmullClarkToBSplineVolume"),
         "717": opened(os.path.join(data, "structured/717_wl_L2.cgns"), 2),
         "t_joint": opened(os.path.join(data, "structured/t_joint.xyz"), 2),
     }
@@ -126,13 +124,28 @@ def screen(framebuffer):
 
 
 def write_png(path, pixels):
-    image = vtkImageData()
-    image.SetDimensions(pixels.shape[1], pixels.shape[0], 1)
-    image.GetPointData().SetScalars(numpy_to_vtk(pixels.reshape(-1, 3), deep=1))
-    writer = vtkPNGWriter()
-    writer.SetFileName(path)
-    writer.SetInputData(image)
-    writer.Write()
+    """With a palette of 256 colours, which makes it small."""
+    # Colours are told apart by five bits per channel; the most frequent stand for the others.
+    codes = (pixels[::-1].astype(np.int64) >> 3) @ np.array([1024, 32, 1])
+    kinds, place, counts = np.unique(codes.ravel(), return_inverse=True, return_counts=True)
+    means = np.stack([np.bincount(place, pixels[::-1, :, c].ravel()) / counts for c in range(3)], axis=1)
+    colors = means[np.argsort(-counts)[:256]]
+    nearest = ((means[:, None, :] - colors[None]) ** 2).sum(axis=2).argmin(axis=1)
+    rows = nearest[place].reshape(codes.shape)
+    # Every row begins with the number of its filter: none.
+    lines = np.hstack([np.zeros((rows.shape[0], 1), np.uint8), rows.astype(np.uint8)])
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    table = np.zeros((256, 3), np.uint8)
+    table[:len(colors)] = colors.round()
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n")
+        file.write(chunk(b"IHDR", struct.pack(">IIBBBBB", rows.shape[1], rows.shape[0], 8, 3, 0, 0, 0)))
+        file.write(chunk(b"PLTE", table.tobytes()))
+        file.write(chunk(b"IDAT", zlib.compress(lines.tobytes(), 9)))
+        file.write(chunk(b"IEND", b""))
 
 
 def shoot(paraview, plugin, name, events, folder, display, framebuffer, patience=240):

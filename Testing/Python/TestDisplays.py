@@ -239,8 +239,15 @@ def test_deviation():
     # The body is that of the conversion.
     deviation = simple.BodyDeviation(Input=volume)
     display = shown(deviation)
-    pin = shown(deviation, 2)
-    assert pin.PointSize > 5
+    hairs = shown(deviation, 2)
+    assert hairs.PointSize > 5
+    # The lines cross where the distance is the largest.
+    place = client(deviation).GetOutputDataObject(2).GetPoint(0)
+    wall = client(deviation).GetOutputDataObject(0).GetPartition(0, 0)
+    distances = wall.GetPointData().GetArray("Distance")
+    largest = max(distances.GetTuple1(n) for n in range(distances.GetNumberOfTuples()))
+    near = wall.FindPoint(place)
+    assert wall.GetPoint(near) == place and distances.GetTuple1(near) == largest > 0
     assert display.Representation == "Surface" and array_of(display) == ("POINTS", "Distance")
     assert legend_is_shown(display)
     assert names(client(deviation).GetOutputDataObject(0)) == ["Wall", "Body"]
