@@ -124,7 +124,7 @@ int vtkBSplineVolumeIsoparametric::RequestData(
     vtkErrorMacro("The output is missing.");
     return 0;
   }
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     const bsv::Execution run = bsv::filterExecution(this);
     for (const double position : this->Positions)
     {

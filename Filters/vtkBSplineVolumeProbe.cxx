@@ -172,7 +172,7 @@ int vtkBSplineVolumeProbe::RequestData(
     return 0;
   }
   this->NumberOfPoints = this->NumberOfPointsInside = 0;
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     const bsv::Execution run = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *run.ranks;
     vtkDataSet* points = vtkDataSet::GetData(inputVector[1], 0);

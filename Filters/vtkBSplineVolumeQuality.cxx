@@ -423,7 +423,7 @@ int vtkBSplineVolumeQuality::RequestData(
   this->NumberOfLeftHandedBlocks = 0;
   this->Report.clear();
   bsv::setText(verdict, "");
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     const bsv::Execution shared = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *shared.ranks;
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);

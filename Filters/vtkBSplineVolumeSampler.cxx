@@ -135,7 +135,7 @@ int vtkBSplineVolumeSampler::RequestData(
   }
   this->Report.clear();
   std::vector<std::string> warnings;
-  const int success = bsv::execute(this, output, [&] {
+  const int success = bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
       bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
     const std::size_t blocks = input.volumes.size();

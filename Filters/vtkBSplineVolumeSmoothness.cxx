@@ -52,15 +52,6 @@ struct Outputs
   vtkPolyData* curves;
   vtkPolyData* list;
   vtkTable* verdict;
-
-  void Initialize()
-  {
-    this->interfaces->Initialize();
-    this->blocks->Initialize();
-    this->joins->Initialize();
-    this->curves->Initialize();
-    this->list->Initialize();
-  }
 };
 
 /// A jump as users see it: the two normal jumps are one.
@@ -748,7 +739,7 @@ int vtkBSplineVolumeSmoothness::RequestData(
   this->JoinList->Initialize();
   bsv::setText(output.verdict, "");
 
-  return bsv::execute(this, &output, [&] {
+  return bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
       bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
     if (input.volumes.empty())

@@ -178,7 +178,7 @@ int vtkBSplineVolumeToBezier::RequestData(
     vtkErrorMacro("The output is missing.");
     return 0;
   }
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
       bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
     const int blocks = static_cast<int>(input.volumes.size());

@@ -705,7 +705,7 @@ int vtkBodyDeviation::RequestData(
   this->Report.clear();
   bsv::setText(verdict, "");
   this->MaximumDistance = this->RMSDistance = this->MaximumNormalDeviation = this->HausdorffDistance = 0.0;
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.1);
     const bsv::Ranks& ranks = *run.ranks;
     if (!ranks.any(bodyData != nullptr))

@@ -729,7 +729,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
   this->ResetReport();
   bsv::setText(verdict, "");
 
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     // Parts of the progress, and one count of what the ranks receive.
     const bsv::Execution whole = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *whole.ranks;

@@ -46,21 +46,13 @@ vtkStandardNewMacro(vtkHexBlockTopology);
 namespace
 {
 
-/// All outputs, emptied together.
+/// The ports.
 struct Outputs
 {
   vtkPartitionedDataSetCollection* topology;
   vtkPolyData* surface;
   vtkTable* findings;
   vtkPolyData* creases;
-
-  void Initialize()
-  {
-    this->topology->Initialize();
-    this->surface->Initialize();
-    this->findings->Initialize();
-    this->creases->Initialize();
-  }
 };
 
 /// What the cells of one entity say.
@@ -556,7 +548,7 @@ int vtkHexBlockTopology::RequestData(
   this->Report.clear();
 
   Outputs outputs{ output, surface, findings, creases };
-  return bsv::execute(this, &outputs, [&] {
+  return bsv::execute(this, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.6);
     const int rank = run.ranks->rank();

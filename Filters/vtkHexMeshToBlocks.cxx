@@ -56,7 +56,7 @@ int vtkHexMeshToBlocks::RequestData(
   this->NumberOfBlocks = 0;
   this->Report.clear();
 
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     bsv::HexMeshOptions options;
     // What ParaView's list of arrays has for no array.
     options.boundaryArray = this->BoundaryArray == "None" ? std::string() : this->BoundaryArray;

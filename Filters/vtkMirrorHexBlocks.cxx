@@ -293,7 +293,7 @@ int vtkMirrorHexBlocks::RequestData(
   }
   this->Report.clear();
 
-  return bsv::execute(this, output, [&] {
+  return bsv::execute(this, [&] {
     const bsv::Execution run = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *run.ranks;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;

@@ -286,25 +286,13 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
     vtkErrorMacro("Input or output is missing.");
     return 0;
   }
-  surface->Initialize();
   bsv::setText(verdict, "");
   this->NumberOfWallPoints = this->NumberOfPointsOnTarget = 0;
   std::fill_n(this->YPlusRange, 2, 0.0);
   std::fill_n(this->WallSpacingRange, 2, 0.0);
   this->Report.clear();
 
-  struct Outputs
-  {
-    vtkPartitionedDataSetCollection* mesh;
-    vtkPolyData* surface;
-
-    void Initialize()
-    {
-      this->mesh->Initialize();
-      this->surface->Initialize();
-    }
-  } outputs{ output, surface };
-  return bsv::execute(this, &outputs, [&] {
+  return bsv::execute(this, [&] {
     const std::shared_ptr<const bsv::Ranks> shared = bsv::globalRanks();
     const bsv::Ranks& ranks = *shared;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;

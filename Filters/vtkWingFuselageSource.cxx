@@ -130,14 +130,12 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     vtkErrorMacro("An output is missing.");
     return 0;
   }
-  mesh->Initialize();
-  body->Initialize();
   this->NumberOfMeshPoints = 0;
   this->MinimumScaledJacobian = 0.0;
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution firstHalf = bsv::pieceExecution(this, piece, 0.0, 0.5);
   const bsv::Execution run = bsv::pieceExecution(this, piece, 0.5, 1.0);
-  return bsv::execute(this, mesh, *run.ranks, [&] {
+  return bsv::execute(this, *run.ranks, [&] {
     bsv::WingFuselageOptions options;
     options.shape.span = this->Span;
     options.shape.sweepAngle = this->SweepAngle;

@@ -92,16 +92,10 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
   this->Format.clear();
   this->NotRead.clear();
   this->NumberOfBlocks = this->NumberOfRationalBlocks = 0;
-  if (this->GetNumberOfFileNames() == 0)
-  {
-    vtkErrorMacro("FileName is empty.");
-    this->SetErrorCode(vtkErrorCode::NoFileNameError);
-    return 0;
-  }
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece);
-  std::string fileName = this->GetFileName();
-  const int success = bsv::execute(this, output, *run.ranks, [&] {
+  std::string fileName;
+  const int success = bsv::execute(this, *run.ranks, [&] {
     const Step step = this->RequestedStep(outputVector);
     fileName = step.file;
     bsv::BSplineVolumeFileContent content;

@@ -241,6 +241,10 @@ vtkFileSeriesSource::Step vtkFileSeriesSource::RequestedStep(vtkInformationVecto
 {
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   vtkInformation* info = outputVector->GetInformationObject(0);
+  if (this->FileNames.empty())
+  {
+    throw bsv::Error("File Name is empty.");
+  }
   if (this->FileNames.size() == 1 && !isList(this->FileNames[0]) && !info->Has(Pipeline::TIME_STEPS()))
   {
     return { this->FileNames[0] };
@@ -284,8 +288,15 @@ std::string vtkFileSeriesSource::FirstFile(const char* fileName)
 //------------------------------------------------------------------------------
 void vtkFileSeriesSource::SetFileError(const std::string& fileName)
 {
-  this->SetErrorCode(
-    vtksys::SystemTools::FileExists(fileName) ? vtkErrorCode::FileFormatError : vtkErrorCode::FileNotFoundError);
+  if (this->FileNames.empty())
+  {
+    this->SetErrorCode(vtkErrorCode::NoFileNameError);
+    return;
+  }
+  // Where it is not known which file of a series it is, it is the first one.
+  this->SetErrorCode(vtksys::SystemTools::FileExists(fileName.empty() ? this->FileNames.front() : fileName)
+      ? vtkErrorCode::FileFormatError
+      : vtkErrorCode::FileNotFoundError);
 }
 
 //------------------------------------------------------------------------------

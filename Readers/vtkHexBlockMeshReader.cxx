@@ -179,16 +179,10 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   this->SetErrorCode(vtkErrorCode::NoError);
   this->FileLayout.clear();
-  if (this->GetNumberOfFileNames() == 0)
-  {
-    vtkErrorMacro("File Name is empty.");
-    this->SetErrorCode(vtkErrorCode::NoFileNameError);
-    return 0;
-  }
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.95);
-  std::string fileName = this->GetFileName();
-  const int success = bsv::execute(this, output, *run.ranks, [&] {
+  std::string fileName;
+  const int success = bsv::execute(this, *run.ranks, [&] {
     const Step step = this->RequestedStep(outputVector);
     fileName = step.file;
     std::string layoutName;

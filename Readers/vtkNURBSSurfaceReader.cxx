@@ -96,17 +96,11 @@ int vtkNURBSSurfaceReader::RequestData(vtkInformation*, vtkInformationVector**, 
   this->DeclaredUnit.clear();
   this->NotRead.clear();
   this->NumberOfPatches = this->NumberOfTrimmedPatches = this->NumberOfRationalPatches = 0;
-  if (this->GetNumberOfFileNames() == 0)
-  {
-    vtkErrorMacro("FileName is empty.");
-    this->SetErrorCode(vtkErrorCode::NoFileNameError);
-    return 0;
-  }
   // Every rank has the whole body.
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece, 0.0, 0.9);
-  std::string fileName = this->GetFileName();
-  const int success = bsv::execute(this, output, *run.ranks, [&] {
+  std::string fileName;
+  const int success = bsv::execute(this, *run.ranks, [&] {
     const Step step = this->RequestedStep(outputVector);
     fileName = step.file;
     bsv::NURBSFileContent content = bsv::readNURBSFile(fileName, this->TessellationTolerance, run);

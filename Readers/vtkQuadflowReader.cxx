@@ -49,16 +49,10 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   this->SetErrorCode(vtkErrorCode::NoError);
-  if (this->GetNumberOfFileNames() == 0)
-  {
-    vtkErrorMacro("File Name is empty.");
-    this->SetErrorCode(vtkErrorCode::NoFileNameError);
-    return 0;
-  }
   const bsv::Piece piece = bsv::requestedPiece(outputVector->GetInformationObject(0));
   const bsv::Execution run = bsv::pieceExecution(this, piece);
-  std::string fileName = this->GetFileName();
-  const int success = bsv::execute(this, output, *run.ranks, [&] {
+  std::string fileName;
+  const int success = bsv::execute(this, *run.ranks, [&] {
     const Step step = this->RequestedStep(outputVector);
     fileName = step.file;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;

@@ -11,6 +11,7 @@
 
 #include <vtkAlgorithm.h>
 #include <vtkCallbackCommand.h>
+#include <vtkDataObject.h>
 #include <vtkExecutive.h>
 #include <vtkNew.h>
 #include <vtkSMPTools.h>
@@ -82,57 +83,73 @@ inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, do
   return run;
 }
 
-/// Takes the one message by which the pipeline tells that RequestData of `algorithm` failed.
+/// Suppresses the next message of the executive of `algorithm`: that RequestData failed.
 inline void silenceFailure(vtkAlgorithm* algorithm)
 {
   if (vtkObject::GetGlobalWarningDisplay())
   {
     vtkNew<vtkCallbackCommand> once;
     once->SetClientData(once);
+    once->SetAbortFlagOnExecute(1);
     once->SetCallback([](vtkObject* executive, unsigned long, void* self, void*) {
       executive->RemoveObserver(static_cast<vtkCommand*>(self));
     });
-    algorithm->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, once);
+    algorithm->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, once, 1.0f);
+  }
+}
+
+/// Nothing of what `algorithm` has made stays.
+inline void clearOutputs(vtkAlgorithm* algorithm)
+{
+  for (int port = 0; port < algorithm->GetNumberOfOutputPorts(); ++port)
+  {
+    if (vtkDataObject* output = algorithm->GetOutputDataObject(port))
+    {
+      output->Initialize();
+    }
   }
 }
 
 /// Runs the body of a filter's RequestData. It may communicate with the other ranks, and is over on all of them when it
-/// is on one: an abort or an error, wherever it happens, leaves an empty output everywhere. An error is raised by
-/// `algorithm` with the text of the exception, once: on the first rank.
+/// is on one: an abort or an error, wherever it happens, leaves all outputs empty everywhere. An error is the text of
+/// the exception, raised once: by `algorithm`, on the first rank.
 /// @param ranks which take part
 /// @return what RequestData returns: 0 after an error, else 1
-template <typename Output, typename Body>
-int execute(vtkAlgorithm* algorithm, Output* output, const Ranks& ranks, const Body& body)
+template <typename Body>
+int execute(vtkAlgorithm* algorithm, const Ranks& ranks, const Body& body)
 {
   try
   {
-    ranks.together(body);
+    ranks.together([&] {
+      body();
+      if (aborted(algorithm))
+      {
+        throw Aborted();
+      }
+    });
   }
   catch (const Aborted&)
   {
-    output->Initialize();
+    clearOutputs(algorithm);
   }
   catch (const std::exception& error)
   {
-    output->Initialize();
+    clearOutputs(algorithm);
     if (ranks.rank() == 0)
     {
       vtkErrorWithObjectMacro(algorithm, << validUTF8(error.what()));
     }
-    else
-    {
-      silenceFailure(algorithm);
-    }
+    silenceFailure(algorithm);
     return 0;
   }
   return 1;
 }
 
 /// The same on all ranks of the global controller.
-template <typename Output, typename Body>
-int execute(vtkAlgorithm* algorithm, Output* output, const Body& body)
+template <typename Body>
+int execute(vtkAlgorithm* algorithm, const Body& body)
 {
-  return execute(algorithm, output, *globalRanks(), body);
+  return execute(algorithm, *globalRanks(), body);
 }
 
 /// Raises warnings of `algorithm` that all ranks have, once: on the first rank.

@@ -76,15 +76,19 @@ def messages(proxy):
         return client(proxy).AddObserver(event, callback)
 
     tags = [observe("ErrorEvent", caught["errors"]), observe("WarningEvent", caught["warnings"])]
-    # The pipeline reports once more that the filter failed.
+    # What the pipeline says besides would be a second message.
     executive = client(proxy).GetExecutive()
-    silent = executive.AddObserver("ErrorEvent", lambda *_: None)
+
+    def pipeline(_object, _event, text):
+        caught["errors"].append(text)
+    pipeline.CallDataType = "string0"
+    tag = executive.AddObserver("ErrorEvent", pipeline)
     try:
         yield caught
     finally:
-        for tag in tags:
-            client(proxy).RemoveObserver(tag)
-        executive.RemoveObserver(silent)
+        for own in tags:
+            client(proxy).RemoveObserver(own)
+        executive.RemoveObserver(tag)
 
 
 def update(proxy):
@@ -95,25 +99,30 @@ def update(proxy):
     return client(proxy).GetOutputDataObject(0), caught["warnings"]
 
 
+def assert_no_output(proxy):
+    """All outputs of the filter behind `proxy` are empty."""
+    for port in range(client(proxy).GetNumberOfOutputPorts()):
+        output = client(proxy).GetOutputDataObject(port)
+        assert all(output.GetNumberOfElements(kind) == 0 for kind in (output.POINT, output.CELL, output.ROW)), port
+        assert not output.IsA("vtkCompositeDataSet") or blocks(output) == [], port
+
+
 def failure(proxy):
-    """Executes a filter that must fail with one error and an empty output. Returns the error."""
+    """Executes a filter that must fail with one error and empty outputs. Returns the error."""
     with messages(proxy) as caught:
         proxy.UpdatePipeline()
     assert len(caught["errors"]) == 1, caught
-    output = client(proxy).GetOutputDataObject(0)
-    assert output.GetNumberOfElements(output.POINT) == 0
+    assert_no_output(proxy)
     return caught["errors"][0]
 
 
 def aborted(proxy):
-    """Stops a filter at its first progress: no error, an empty output."""
+    """Stops a filter at its first progress: no error, empty outputs."""
     client(proxy).AddObserver("ProgressEvent", lambda caller, _: caller.SetAbortExecute(1))
     with messages(proxy) as caught:
         proxy.UpdatePipeline()
     assert not caught["errors"]
-    output = client(proxy).GetOutputDataObject(0)
-    assert output.GetNumberOfElements(output.POINT) == 0 and output.GetNumberOfElements(output.CELL) == 0
-    assert not output.IsA("vtkCompositeDataSet") or blocks(output) == []
+    assert_no_output(proxy)
 
 
 def producer(data):
