@@ -711,7 +711,7 @@ BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructu
     return structuredBlocks(input, grids, ranks);
   }
   Execution run;
-  run.parallelFor = threadedFor;
+  run.parallelFor = [](Index count, Index grain, const Execution::Body& body) { pausedFor(count, grain, body, [] {}); };
   // Shared by nobody else for as long as this function runs.
   run.ranks = std::shared_ptr<const Ranks>(&ranks, [](const Ranks*) {});
   vtkNew<vtkPartitionedDataSetCollection> blocks;

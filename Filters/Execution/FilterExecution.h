@@ -7,6 +7,7 @@
 #include "Base/Types.h"
 #include "Base/UTF8.h"
 #include "Execution/ControllerRanks.h"
+#include "Execution/ReportPace.h"
 #include "Ranks/Ranks.h"
 
 #include <vtkAlgorithm.h>
@@ -14,12 +15,12 @@
 #include <vtkDataObject.h>
 #include <vtkExecutive.h>
 #include <vtkNew.h>
-#include <vtkSMPTools.h>
 #include <vtkVersionMacros.h>
 
+#include <algorithm>
 #include <exception>
-#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace bsv
@@ -35,51 +36,31 @@ inline bool aborted(vtkAlgorithm* algorithm)
 #endif
 }
 
-/// Execution::parallelFor by vtkSMPTools.
-///
-/// An exception in a loop is handed to the calling thread, the one of the lowest range if there are several: thrown in
-/// a worker thread of vtkSMPTools it would end the process.
-inline void threadedFor(Index count, Index grain, const Execution::Body& body)
-{
-  if (count <= 0)
-  {
-    return;
-  }
-  std::exception_ptr failure;
-  Index failedAt = count;
-  std::mutex guard;
-  vtkSMPTools::For(0, count, grain, [&](vtkIdType begin, vtkIdType end) {
-    try
-    {
-      body(begin, end);
-    }
-    catch (...)
-    {
-      const std::lock_guard<std::mutex> lock(guard);
-      if (begin < failedAt)
-      {
-        failedAt = begin;
-        failure = std::current_exception();
-      }
-    }
-  });
-  if (failure)
-  {
-    std::rethrow_exception(failure);
-  }
-}
-
-/// Execution whose progress 0..1 fills the part [first, last] of the algorithm's progress bar. `algorithm` must outlive
-/// it.
+/// Execution whose progress 0..1 fills the part [first, last] of the algorithm's progress bar, which never runs back.
+/// Long loops report in between. `algorithm` must outlive it.
 inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, double last = 1.0)
 {
   Execution run;
-  run.parallelFor = threadedFor;
   run.ranks = globalRanks();
   run.progress = [algorithm, first, last](double fraction) {
-    algorithm->UpdateProgress(first + fraction * (last - first));
+    algorithm->UpdateProgress(std::max(algorithm->GetProgress(), first + fraction * (last - first)));
+    reportedNow();
     return !aborted(algorithm);
   };
+  // Only the thread of the algorithm reports.
+  const auto pause = [algorithm, owner = std::this_thread::get_id()] {
+    if (std::this_thread::get_id() == owner && reportIsDue())
+    {
+      algorithm->UpdateProgress(algorithm->GetProgress());
+      reportedNow();
+      if (aborted(algorithm))
+      {
+        throw Aborted();
+      }
+    }
+  };
+  run.parallelFor = [pause](
+                      Index count, Index grain, const Execution::Body& body) { pausedFor(count, grain, body, pause); };
   return run;
 }
 

@@ -3,14 +3,21 @@
 #include "Support/Algorithms.h"
 #include "Support/MeshFiles.h"
 
+#include "Execution/ReportPace.h"
+
 #include <vtkErrorCode.h>
+#include <vtkSMPTools.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
+#include <iostream>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 using algorithms::Inputs;
@@ -55,82 +62,172 @@ protected:
 std::string EveryAlgorithm::Folder;
 std::unique_ptr<Inputs> EveryAlgorithm::All;
 
-/// The first, the last, and some between.
-std::vector<int> someOf(std::size_t steps)
+/// Some of the reports of a run: an early one, one in the middle, the last one before the pipeline's own.
+std::set<int> someOf(std::size_t reports)
 {
-  std::vector<int> some;
-  const int count = static_cast<int>(std::min<std::size_t>(steps, 6));
-  for (int i = 0; i < count; ++i)
-  {
-    some.push_back(1 + i * (static_cast<int>(steps) - 1) / std::max(1, count - 1));
-  }
-  return some;
+  const int last = static_cast<int>(reports) - 1;
+  return { 2, std::max(2, last / 2), std::max(2, last) };
 }
 
-TEST_F(EveryAlgorithm, ProgressNeverRunsBack)
+/// What tells of something else than success.
+std::vector<std::string> errors(const Told& told)
 {
-  for (const Inputs::Case& which : filtersAndReaders())
+  std::vector<std::string> result;
+  for (const std::string& message : told.messages)
   {
-    const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
-    const Told told = algorithms::run(algorithm);
-    EXPECT_EQ(told.messages, std::vector<std::string>()) << which.name;
-    EXPECT_GT(algorithms::sizeOfOutputs(algorithm), 0) << which.name;
-    EXPECT_TRUE(std::is_sorted(told.progress.begin(), told.progress.end())) << which.name;
-    EXPECT_EQ(told.progress.front(), 0.0) << which.name;
-    EXPECT_EQ(told.progress.back(), 1.0) << which.name;
-  }
-}
-
-TEST_F(EveryAlgorithm, AbortLeavesAllOutputsEmpty)
-{
-  for (const Inputs::Case& which : filtersAndReaders())
-  {
-    const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
-    const std::size_t steps = algorithms::run(algorithm).progress.size();
-    // The last report is the pipeline's own: all is done.
-    for (const int when : someOf(steps - 1))
+    if (message.rfind("ERROR", 0) == 0)
     {
-      bool aborted = false;
-      const Told told = algorithms::run(algorithm, [&](int step, vtkAlgorithm* caller) {
-        aborted = aborted || (step == when && caller->GetProgress() < 1.0);
-        caller->SetAbortExecute(aborted);
-      });
-      if (aborted)
-      {
-        EXPECT_EQ(told.messages, std::vector<std::string>()) << which.name << ", step " << when;
-        EXPECT_EQ(algorithms::sizeOfOutputs(algorithm), 0) << which.name << ", step " << when;
-      }
+      result.push_back(message);
     }
   }
+  return result;
 }
 
-TEST_F(EveryAlgorithm, ErrorIsOneMessageAndLeavesAllOutputsEmpty)
+TEST_F(EveryAlgorithm, ErrorsAndAbortsLeaveAllOutputsEmpty)
 {
   for (const Inputs::Case& which : filtersAndReaders())
   {
     const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
-    const std::size_t steps = algorithms::run(algorithm).progress.size();
-    // The first and the last report are the pipeline's own.
-    for (const int when : someOf(steps - 2))
+    const Told whole = algorithms::run(algorithm);
+    EXPECT_EQ(errors(whole), std::vector<std::string>()) << which.name;
+    EXPECT_GT(algorithms::sizeOfOutputs(algorithm), 0) << which.name;
+    EXPECT_TRUE(std::is_sorted(whole.progress.begin(), whole.progress.end())) << which.name;
+    EXPECT_EQ(whole.progress.front(), 0.0) << which.name;
+    EXPECT_EQ(whole.progress.back(), 1.0) << which.name;
+    for (const int when : someOf(whole.progress.size()))
     {
-      bool thrown = false;
-      const Told told = algorithms::run(algorithm, [&](int step, vtkAlgorithm* caller) {
-        if (step == when + 1 && caller->GetProgress() < 1.0)
+      const std::string place = which.name + ", report " + std::to_string(when);
+      bool reached = false;
+      const Told stopped = algorithms::run(algorithm, [&](int step, vtkAlgorithm* caller) {
+        reached = reached || step == when;
+        caller->SetAbortExecute(reached);
+      });
+      EXPECT_EQ(stopped.messages, std::vector<std::string>()) << place;
+      EXPECT_TRUE(!reached || algorithms::sizeOfOutputs(algorithm) == 0) << place;
+
+      reached = false;
+      const Told failed = algorithms::run(algorithm, [&](int step, vtkAlgorithm* caller) {
+        // The pipeline's own report, of a filter that is done, is no place for an error.
+        if (step == when && caller->GetProgress() < 1.0)
         {
-          thrown = true;
+          reached = true;
           throw std::runtime_error("something is wrong");
         }
       });
-      if (thrown)
+      if (reached)
       {
-        ASSERT_EQ(told.messages.size(), 1u) << which.name << ", step " << when;
-        EXPECT_NE(told.messages[0].find("something is wrong"), std::string::npos) << told.messages[0];
-        EXPECT_EQ(algorithms::sizeOfOutputs(algorithm), 0) << which.name << ", step " << when;
+        ASSERT_EQ(failed.messages.size(), 1u) << place;
+        EXPECT_NE(failed.messages[0].find("something is wrong"), std::string::npos) << failed.messages[0];
+        EXPECT_EQ(algorithms::sizeOfOutputs(algorithm), 0) << place;
       }
     }
-    // It is over then.
-    EXPECT_EQ(algorithms::run(algorithm).messages, std::vector<std::string>()) << which.name;
-    EXPECT_GT(algorithms::sizeOfOutputs(algorithm), 0) << which.name;
+  }
+}
+
+/// Counts ranges of loops in place of seconds, one thread doing all.
+class WorkClock
+{
+public:
+  explicit WorkClock(double interval)
+    : Before(bsv::reportPace())
+    , Backend(vtkSMPTools::GetBackend())
+  {
+    vtkSMPTools::SetBackend("Sequential");
+    bsv::reportPace() = { interval, [this] { return this->Ranges; },
+      [this](bsv::Index, bsv::Index) { ++this->Ranges; } };
+  }
+  ~WorkClock()
+  {
+    bsv::reportPace() = this->Before;
+    vtkSMPTools::SetBackend(this->Backend.c_str());
+  }
+  double ranges() const { return this->Ranges; }
+
+private:
+  bsv::ReportPace Before;
+  std::string Backend;
+  double Ranges = 0.0;
+};
+
+TEST_F(EveryAlgorithm, ReportsComeWithinLoopsAndAbortsEndThem)
+{
+  constexpr double Interval = 4.0;
+  for (const Inputs::Case& which : filtersAndReaders())
+  {
+    const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
+    const WorkClock work(Interval);
+    double last = 0.0;
+    double most = 0.0;
+    const Told told = algorithms::run(algorithm, [&](int, vtkAlgorithm*) {
+      most = std::max(most, work.ranges() - last);
+      last = work.ranges();
+    });
+    const double all = work.ranges();
+    // A part that is as long as it may be, begun just before the time for a report.
+    EXPECT_LE(most, 2.0 * Interval) << which.name << ", of " << all << " ranges";
+
+    double stop = -1.0;
+    algorithms::run(algorithm, [&](int, vtkAlgorithm* caller) {
+      if (stop < 0.0 && work.ranges() > 1.5 * all)
+      {
+        stop = work.ranges();
+        caller->SetAbortExecute(1);
+      }
+    });
+    EXPECT_LE(stop < 0.0 ? 0.0 : work.ranges() - stop, 0.0) << which.name;
+    std::cout << which.name << ": " << all << " ranges, at most " << most << " between two of " << told.progress.size()
+              << " reports\n";
+  }
+}
+
+TEST_F(EveryAlgorithm, TableOfTimes)
+{
+  const char* resolution = std::getenv("BSV_REPORTS_RESOLUTION");
+  if (!resolution)
+  {
+    GTEST_SKIP() << "BSV_REPORTS_RESOLUTION is not set: resolution of the wing and fuselage, 36 for 6 million points";
+  }
+  const char* only = std::getenv("BSV_REPORTS_ONLY");
+  const Inputs large(Folder, std::atoi(resolution));
+  const auto now = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  std::vector<Inputs::Case> cases = large.filters();
+  for (const auto& more : { large.writers(), large.readers() })
+  {
+    cases.insert(cases.end(), more.begin(), more.end());
+  }
+  std::printf("%-40s %8s %8s %8s %8s %8s\n", "CPU seconds", "all", "reports", "longest", "share", "to stop");
+  for (const Inputs::Case& which : cases)
+  {
+    if (only && which.name.find(only) == std::string::npos)
+    {
+      continue;
+    }
+    const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
+    const double start = now();
+    double last = start;
+    double longest = 0.0;
+    double where = 0.0;
+    const Told told = algorithms::run(algorithm, [&](int, vtkAlgorithm* caller) {
+      if (now() - last > longest)
+      {
+        longest = now() - last;
+        where = caller->GetProgress();
+      }
+      last = now();
+    });
+    const double all = now() - start;
+    const double middle = now() + 0.5 * all;
+    double stop = -1.0;
+    algorithms::run(algorithm, [&](int, vtkAlgorithm* caller) {
+      if (stop < 0.0 && now() > middle)
+      {
+        stop = now();
+        caller->SetAbortExecute(1);
+      }
+    });
+    std::printf("%-40s %8.2f %8zu %8.3f %7.1f%% %8.3f   (longest before %.3f)\n", which.name.c_str(), all,
+      told.progress.size(), longest, 100.0 * longest / all, stop < 0.0 ? -1.0 : now() - stop, where);
+    std::fflush(stdout);
   }
 }
 
@@ -160,26 +257,28 @@ TEST_F(EveryAlgorithm, WritersThatFailOrAreStoppedLeaveTheOldFile)
     const vtkSmartPointer<vtkAlgorithm> writer = which.make();
     const Told whole = algorithms::run(writer);
     EXPECT_TRUE(std::is_sorted(whole.progress.begin(), whole.progress.end())) << which.name;
-    const std::string before = meshfiles::readFile(which.file);
-    EXPECT_FALSE(before.empty()) << which.name;
-    for (const int when : someOf(whole.progress.size() - 2))
+    // Any other content would be replaced by a writer that comes to its end.
+    meshfiles::writeFile(which.file, "old");
+    for (const int when : someOf(whole.progress.size()))
     {
       for (const bool abort : { true, false })
       {
-        bool done = false;
+        bool reached = false;
         const Told told = algorithms::run(writer, [&](int step, vtkAlgorithm* caller) {
-          done = done || (step == when + 1 && caller->GetProgress() < 1.0);
-          caller->SetAbortExecute(abort && done);
-          if (done && !abort && step == when + 1)
+          const bool here = step == when && caller->GetProgress() < 1.0;
+          reached = reached || here;
+          caller->SetAbortExecute(abort && reached);
+          if (here && !abort)
           {
             throw std::runtime_error("something is wrong");
           }
         });
-        EXPECT_EQ(told.messages.size(), done && !abort ? 1u : 0u) << which.name << ", step " << when;
-        // Another file with the same name would do as well; that none is half written is what counts.
-        EXPECT_EQ(meshfiles::readFile(which.file).size(), before.size()) << which.name << ", step " << when;
+        EXPECT_EQ(errors(told).size(), reached && !abort ? 1u : 0u) << which.name << ", report " << when;
+        EXPECT_EQ(meshfiles::readFile(which.file) == "old", reached) << which.name << ", report " << when;
+        meshfiles::writeFile(which.file, "old");
       }
     }
+    algorithms::run(writer);
   }
   for (const auto& entry : std::filesystem::directory_iterator(Folder))
   {
