@@ -46,15 +46,6 @@ vtkStandardNewMacro(vtkHexBlockTopology);
 namespace
 {
 
-/// The ports.
-struct Outputs
-{
-  vtkPartitionedDataSetCollection* topology;
-  vtkPolyData* surface;
-  vtkTable* findings;
-  vtkPolyData* creases;
-};
-
 /// What the cells of one entity say.
 struct EntityData
 {
@@ -547,7 +538,6 @@ int vtkHexBlockTopology::RequestData(
   this->NumberOfComponents = this->NumberOfFindings = this->NumberOfSuspiciousFindings = 0;
   this->Report.clear();
 
-  Outputs outputs{ output, surface, findings, creases };
   return bsv::execute(this, [&] {
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.6);

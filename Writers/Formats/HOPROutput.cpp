@@ -109,7 +109,10 @@ public:
   {
     const hsize_t size[2] = { static_cast<hsize_t>(rows), static_cast<hsize_t>(columns) };
     const Handle space(H5Screate_simple(columns > 0 ? 2 : 1, size, nullptr), &H5Sclose);
-    const Handle set(H5Dcreate2(this->Id, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Dclose);
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    // The time of day would make equal meshes to different files.
+    this->check(H5Pset_obj_track_times(properties, false), name);
+    const Handle set(H5Dcreate2(this->Id, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT), &H5Dclose);
     this->check(set, name);
   }
 

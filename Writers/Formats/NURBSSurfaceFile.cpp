@@ -8,6 +8,7 @@
 #include <cctype>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 
 namespace bsv
@@ -142,6 +143,22 @@ std::vector<std::string> igesParameters(const NURBSSurface& surface)
   return fields;
 }
 
+/// The time in the environment variable SOURCE_DATE_EPOCH, in seconds since 1970; without it none, so that equal
+/// surfaces give equal files.
+std::string igesDate()
+{
+  const char* epoch = std::getenv("SOURCE_DATE_EPOCH");
+  char* end = nullptr;
+  const std::time_t seconds = epoch ? static_cast<std::time_t>(std::strtoll(epoch, &end, 10)) : 0;
+  char text[32] = "";
+  std::tm utc{};
+  if (epoch && end != epoch && *end == 0 && gmtime_r(&seconds, &utc))
+  {
+    std::strftime(text, sizeof(text), "%Y%m%d.%H%M%S", &utc);
+  }
+  return text[0] ? igesText(text) : "";
+}
+
 void writeIGES(const std::vector<NURBSSurface>& surfaces, const std::vector<std::string>& names, AtomicFile& file)
 {
   file.write(igesLine("NURBS surfaces", 'S', 1));
@@ -154,16 +171,13 @@ void writeIGES(const std::vector<NURBSSurface>& surfaces, const std::vector<std:
       largest = std::max(largest, point.cwiseAbs().maxCoeff());
     }
   }
-  char date[32] = "";
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  std::strftime(date, sizeof(date), "%Y%m%d.%H%M%S", gmtime_r(&now, &utc));
+  const std::string date = igesDate();
   // Delimiters, names, sizes of numbers, scale, unit (6: metres), line widths, date, resolution, largest coordinate,
   // author, version (11: IGES 5.3), drafting standard (none), date.
   const std::vector<std::string> global =
     igesLines({ "1H,", "1H;", igesText("body"), igesText("body.igs"), igesText("BSplineVolume"),
                 igesText("BSplineVolume"), "32", "38", "6", "308", "15", igesText("body"), "1.", "6", igesText("M"),
-                "1", "0.", igesText(date), "1.E-07", igesReal(largest), "", "", "11", "0", igesText(date) },
+                "1", "0.", date, "1.E-07", igesReal(largest), "", "", "11", "0", date },
       72);
   for (std::size_t i = 0; i < global.size(); ++i)
   {

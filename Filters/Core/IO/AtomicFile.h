@@ -72,7 +72,8 @@ private:
 };
 
 /// Writes beside the target, under a temporary name, and renames at the end. Until then, and after any error, an
-/// existing target is untouched; the temporary file is removed when the object goes. A symbolic link is followed, an
+/// existing target is untouched; the temporary file is removed when the object goes, and one that a killed process has
+/// left when the same target is written again. A symbolic link is followed, even if it points to nothing yet; an
 /// existing file's permissions are kept.
 ///
 /// Several ranks can write to one file: each opens it, seeks the places of its parts, and finishes; rank 0 then
@@ -113,6 +114,8 @@ protected:
 
 private:
   void create();
+  std::string withLinksFollowed(const std::string& path) const;
+  void limitSize();
   void keepPermissions();
   void discard();
   [[noreturn]] void fail(const std::string& what) const;
@@ -121,6 +124,8 @@ private:
   std::string Temporary;
   /// Permissions of the file that is replaced, or 0.
   unsigned int Mode = 0;
+  /// Bytes that a file may have (RLIMIT_FSIZE), or -1.
+  Index Largest = -1;
   bool Owner = true;
   int Descriptor = -1;
 };

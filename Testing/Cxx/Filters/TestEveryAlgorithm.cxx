@@ -11,14 +11,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <sys/resource.h>
 
 using algorithms::Inputs;
 using algorithms::Told;
@@ -62,11 +70,16 @@ protected:
 std::string EveryAlgorithm::Folder;
 std::unique_ptr<Inputs> EveryAlgorithm::All;
 
-/// Some of the reports of a run: an early one, one in the middle, the last one before the pipeline's own.
+/// Some of the reports of a run: an early one and the last one before the pipeline's own.
 std::set<int> someOf(std::size_t reports)
 {
-  const int last = static_cast<int>(reports) - 1;
-  return { 2, std::max(2, last / 2), std::max(2, last) };
+  return { 2, std::max(2, static_cast<int>(reports) - 1) };
+}
+
+/// Whether a library writes the file; it needs room to let go of what it could not write.
+bool isByLibrary(const Inputs::Case& which)
+{
+  return which.file.find(".cgns") != std::string::npos || which.file.find(".h5") != std::string::npos;
 }
 
 /// What tells of something else than success.
@@ -99,7 +112,8 @@ TEST_F(EveryAlgorithm, ErrorsAndAbortsLeaveAllOutputsEmpty)
       const std::string place = which.name + ", report " + std::to_string(when);
       bool reached = false;
       const Told stopped = algorithms::run(algorithm, [&](int step, vtkAlgorithm* caller) {
-        reached = reached || step == when;
+        // The pipeline's own report, of a filter that is done, comes too late.
+        reached = reached || (step == when && caller->GetProgress() < 1.0);
         caller->SetAbortExecute(reached);
       });
       EXPECT_EQ(stopped.messages, std::vector<std::string>()) << place;
@@ -107,7 +121,6 @@ TEST_F(EveryAlgorithm, ErrorsAndAbortsLeaveAllOutputsEmpty)
 
       reached = false;
       const Told failed = algorithms::run(algorithm, [&](int step, vtkAlgorithm* caller) {
-        // The pipeline's own report, of a filter that is done, is no place for an error.
         if (step == when && caller->GetProgress() < 1.0)
         {
           reached = true;
@@ -163,8 +176,8 @@ TEST_F(EveryAlgorithm, ReportsComeWithinLoopsAndAbortsEndThem)
       last = work.ranges();
     });
     const double all = work.ranges();
-    // A part that is as long as it may be, begun just before the time for a report.
-    EXPECT_LE(most, 2.0 * Interval) << which.name << ", of " << all << " ranges";
+    // Ranges of different loops are not equally long: at most a short one for each of the 79 blocks, and a few more.
+    EXPECT_LE(most, 79.0 + 3.0 * Interval) << which.name << ", of " << all << " ranges";
 
     double stop = -1.0;
     algorithms::run(algorithm, [&](int, vtkAlgorithm* caller) {
@@ -228,6 +241,56 @@ TEST_F(EveryAlgorithm, TableOfTimes)
     std::printf("%-40s %8.2f %8zu %8.3f %7.1f%% %8.3f   (longest before %.3f)\n", which.name.c_str(), all,
       told.progress.size(), longest, 100.0 * longest / all, stop < 0.0 ? -1.0 : now() - stop, where);
     std::fflush(stdout);
+  }
+}
+
+TEST_F(EveryAlgorithm, FilesHoldNoTimeOfDay)
+{
+  std::map<std::string, std::string> before;
+  for (const Inputs::Case& which : All->writers())
+  {
+    algorithms::run(which.make());
+    before[which.name] = meshfiles::readFile(which.file);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  for (const Inputs::Case& which : All->writers())
+  {
+    algorithms::run(which.make());
+    // The CGNS library stores the time in its objects.
+    EXPECT_TRUE(which.file.find(".cgns") != std::string::npos || meshfiles::readFile(which.file) == before[which.name])
+      << which.name;
+  }
+}
+
+TEST_F(EveryAlgorithm, WritersWithoutRoomLeaveTheOldFile)
+{
+  std::signal(SIGXFSZ, SIG_IGN);
+  struct rlimit unlimited;
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &unlimited), 0);
+  for (const Inputs::Case& which : All->writers())
+  {
+    const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
+    auto* writer = vtkWriter::SafeDownCast(algorithm);
+    algorithms::run(writer);
+    const rlim_t size = std::filesystem::file_size(which.file);
+    for (const rlim_t limit : std::set<rlim_t>{ 0, size / 2, size > 0 ? size - 1 : 0 })
+    {
+      if (isByLibrary(which) && limit > 0)
+      {
+        continue;
+      }
+      meshfiles::writeFile(which.file, "old");
+      const struct rlimit little = { limit, unlimited.rlim_max };
+      ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+      const Told told = algorithms::run(writer);
+      ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &unlimited), 0);
+      const std::string place = which.name + ", " + std::to_string(limit) + " of " + std::to_string(size) + " bytes";
+      EXPECT_EQ(errors(told).size(), 1u) << place;
+      EXPECT_EQ(writer->GetErrorCode(), static_cast<unsigned long>(vtkErrorCode::OutOfDiskSpaceError)) << place;
+      EXPECT_EQ(meshfiles::readFile(which.file), "old") << place;
+    }
+    EXPECT_EQ(errors(algorithms::run(writer)), std::vector<std::string>()) << which.name;
+    EXPECT_EQ(std::filesystem::file_size(which.file), size) << which.name;
   }
 }
 

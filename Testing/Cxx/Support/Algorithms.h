@@ -3,6 +3,8 @@
 /// Every filter, reader and writer, each with a small input, for tests of what holds for all of them.
 #pragma once
 
+#include "vtkBSplineVolumeIsoparametric.h"
+#include "vtkBSplineVolumeProbe.h"
 #include "vtkBSplineVolumeQuality.h"
 #include "vtkBSplineVolumeReader.h"
 #include "vtkBSplineVolumeSampler.h"
@@ -221,6 +223,8 @@ public:
     add(static_cast<vtkBSplineVolumeSampler*>(nullptr), "BSplineVolumeSampler", { this->Volume }, asIs);
     add(static_cast<vtkBSplineVolumeQuality*>(nullptr), "BSplineVolumeQuality", { this->Volume }, asIs);
     add(static_cast<vtkBSplineVolumeSmoothness*>(nullptr), "BSplineVolumeSmoothness", { this->Volume }, asIs);
+    add(static_cast<vtkBSplineVolumeIsoparametric*>(nullptr), "BSplineVolumeIsoparametric", { this->Volume }, asIs);
+    add(static_cast<vtkBSplineVolumeProbe*>(nullptr), "BSplineVolumeProbe", { this->Volume, this->Hexahedra }, asIs);
     add(static_cast<vtkBSplineVolumeToBezier*>(nullptr), "BSplineVolumeToBezier", { this->Volume }, asIs);
     add(static_cast<vtkBodyDeviation*>(nullptr), "BodyDeviation", { this->Volume, this->Body },
       [](auto* filter) { filter->SetLevel(0); });
