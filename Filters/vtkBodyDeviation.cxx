@@ -616,7 +616,7 @@ void setParts(vtkPartitionedDataSetCollection* output, vtkPolyData* wall, vtkPol
   vtkNew<vtkDataAssembly> assembly;
   assembly->SetRootNodeName("BodyDeviation");
   unsigned int part = 0;
-  for (const auto [name, data] : { std::make_pair("Wall", wall), std::make_pair("Body", body) })
+  for (const auto& [name, data] : { std::make_pair("Wall", wall), std::make_pair("Body", body) })
   {
     if (data)
     {

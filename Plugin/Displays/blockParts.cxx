@@ -320,12 +320,10 @@ public:
 
   void curvatures()
   {
-    for (const auto [array, name] :
-      { std::make_pair(&this->Mean, "MeanCurvature"), { &this->Gaussian, "GaussianCurvature" } })
-    {
-      *array = vtkSmartPointer<vtkFloatArray>::New();
-      (*array)->SetName(name);
-    }
+    this->Mean = vtkSmartPointer<vtkFloatArray>::New();
+    this->Mean->SetName("MeanCurvature");
+    this->Gaussian = vtkSmartPointer<vtkFloatArray>::New();
+    this->Gaussian->SetName("GaussianCurvature");
   }
 
   void point(const Vec3& x, const Vec3& normal, vtkIdType source)

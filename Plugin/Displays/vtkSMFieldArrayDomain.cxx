@@ -8,12 +8,17 @@
 #include "vtkSMSourceProxy.h"
 #include "vtkSMUncheckedPropertyHelper.h"
 
+#include <string>
+#include <utility>
+
 vtkStandardNewMacro(vtkSMFieldArrayDomain);
 
 //------------------------------------------------------------------------------
 int vtkSMFieldArrayDomain::ReadXMLAttributes(vtkSMProperty* property, vtkPVXMLElement* element)
 {
-  for (const auto [attribute, name] : { std::make_pair("present", &this->Present), { "absent", &this->Absent } })
+  const std::pair<const char*, std::string*> attributes[] = { { "present", &this->Present },
+    { "absent", &this->Absent } };
+  for (const auto& [attribute, name] : attributes)
   {
     const char* value = element->GetAttribute(attribute);
     *name = value ? value : "";
