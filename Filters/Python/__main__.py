@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command: python3 -m bsplinevolume convert|check|levels|formats ..."""
+"""The command: python3 -m bsplinevolume convert|check|report|levels|formats ..."""
 import argparse
 import sys
 
 import bsplinevolume as bsv
-from bsplinevolume import pipeline
+from bsplinevolume import pipeline, report as html_report
 
 
 def progress_bar(fraction):
@@ -23,7 +23,7 @@ def conversion_arguments(parser):
     parser.add_argument("--crease-angle", type=float, help="surface edges that turn by more are creases; degrees")
 
 
-def converted(arguments):
+def properties_of(arguments):
     properties = {}
     if arguments.body:
         properties["BodyBoundaries"] = arguments.body.split(",")
@@ -34,7 +34,12 @@ def converted(arguments):
         properties["BodyFaces"] = list(zip(numbers[::2], numbers[1::2]))
     if arguments.crease_angle is not None:
         properties.update(UseCreaseAngle=True, CreaseAngle=arguments.crease_angle)
-    volume = bsv.convert(arguments.mesh, body=arguments.body_file, progress=progress_bar, **properties)
+    return properties
+
+
+def converted(arguments):
+    volume = bsv.convert(
+        arguments.mesh, body=arguments.body_file, progress=progress_bar, **properties_of(arguments))
     for warning in volume.warnings:
         print("warning:", warning, file=sys.stderr)
     return volume
@@ -56,6 +61,16 @@ def check(arguments):
     quality = volume.quality()
     print(quality["report"])
     return 1 if quality["invalid"] else 2 if quality["undecided"] else 0
+
+
+def report(arguments):
+    volume = converted(arguments)
+    missing = html_report.write(
+        arguments.output, arguments.mesh, arguments.body_file, volume, properties_of(arguments))
+    if missing:
+        print("warning: no pictures:", missing, file=sys.stderr)
+    print("written:", arguments.output)
+    return 0
 
 
 def levels(arguments):
@@ -88,6 +103,10 @@ def main(words=None):
                               description=check.__doc__)
     conversion_arguments(one)
     one.set_defaults(run=check)
+    one = commands.add_parser("report", help="one HTML file: verdict, pictures, tables, settings")
+    conversion_arguments(one)
+    one.add_argument("--output", default="report.html", help="the file (report.html)")
+    one.set_defaults(run=report)
     one = commands.add_parser("levels", help="a nested family of meshes")
     conversion_arguments(one)
     one.add_argument("output", help="file; its name gets _L0, _L1, ...")

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "displayDefaults.h"
 
+#include "vtkCallbackCommand.h"
 #include "vtkNew.h"
 #include "vtkPVPluginLoader.h"
+#include "vtkPVXMLElement.h"
 #include "vtkProcessModule.h"
 #include "vtkResourceFileLocator.h"
+#include "vtkSMProxy.h"
+#include "vtkSMProxyManager.h"
 #include "vtkSMSettings.h"
 
 #include <vtksys/SystemTools.hxx>
@@ -51,12 +55,48 @@ bool hasQtApplication()
 #endif
 }
 
+bool isClient()
+{
+  const auto process = vtkProcessModule::GetProcessType();
+  return process == vtkProcessModule::PROCESS_CLIENT || process == vtkProcessModule::PROCESS_BATCH;
+}
+
+void updateInformation(vtkObject* proxy, unsigned long, void*, void*)
+{
+  static_cast<vtkSMProxy*>(proxy)->UpdatePropertyInformation();
+}
+
+/// A proxy was registered, or got another name.
+void observeUpdates(vtkObject*, unsigned long, void*, void* registered)
+{
+  const auto* information = static_cast<vtkSMProxyManager::RegisteredProxyInformation*>(registered);
+  vtkSMProxy* proxy = information ? information->Proxy : nullptr;
+  vtkPVXMLElement* hints = proxy ? proxy->GetHints() : nullptr;
+  static vtkNew<vtkCallbackCommand> command;
+  if (!hints || !hints->FindNestedElementByName("InformationAfterUpdate") ||
+    proxy->HasObserver(vtkCommand::UpdateDataEvent, command))
+  {
+    return;
+  }
+  command->SetCallback(updateInformation);
+  proxy->AddObserver(vtkCommand::UpdateDataEvent, command);
+}
+
 } // namespace
+
+void keepInformationUpToDate()
+{
+  if (isClient())
+  {
+    vtkNew<vtkCallbackCommand> command;
+    command->SetCallback(observeUpdates);
+    vtkSMProxyManager::GetProxyManager()->AddObserver(vtkCommand::RegisterEvent, command);
+  }
+}
 
 void loadDisplayDefaults()
 {
-  const auto process = vtkProcessModule::GetProcessType();
-  if (process != vtkProcessModule::PROCESS_CLIENT && process != vtkProcessModule::PROCESS_BATCH)
+  if (!isClient())
   {
     return;
   }

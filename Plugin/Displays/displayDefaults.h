@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * What ParaView shows of our outputs before anything was chosen; called when the plugin is loaded.
+ * What ParaView shows of our outputs before anything was chosen, and tells of our filters; called when the plugin is
+ * loaded.
  */
 #ifndef displayDefaults_h
 #define displayDefaults_h
@@ -22,6 +23,12 @@ BSPLINEVOLUMEDISPLAYS_EXPORT void loadDisplayDefaults();
  * and Python have no such window and load nothing of Qt; without the file ParaView's own widgets are used.
  */
 BSPLINEVOLUMEDISPLAYS_EXPORT void loadQtPart();
+
+/**
+ * In clients, information properties of registered proxies with the hint InformationAfterUpdate are up to date after
+ * every update: a script reads reports and counts without calling UpdatePropertyInformation() before.
+ */
+BSPLINEVOLUMEDISPLAYS_EXPORT void keepInformationUpToDate();
 
 } // namespace bsv
 

@@ -97,6 +97,24 @@ def test_files_and_measures():
         assert "missing.xyz does not exist" in text.getvalue()
 
 
+def test_report():
+    with tempfile.TemporaryDirectory() as folder:
+        mesh = os.path.join(folder, "wing.xyz")
+        bsv.convert(wing()).write(mesh, level=0)
+        path = os.path.join(folder, "report.html")
+        with contextlib.redirect_stdout(io.StringIO()):
+            assert command(["report", mesh, "--crease-angle", "40", "--output", path]) == 0
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+    quality = bsv.convert(wing()).quality()
+    assert f"{quality['valid']} spans proven valid" in text and "CreaseAngle" in text
+    # One row per block, and the pictures.
+    table = text[text.index("<h2>Blocks"):text.index("<h2>Settings")]
+    assert table.count("<tr>") == 1 + int(re.search(r"of (\d+)\)", table).group(1))
+    pictures = re.findall(r"data:image/png;base64,([^']+)", text)
+    assert len(pictures) == 3 and all(len(picture) > 5000 for picture in pictures), [len(p) for p in pictures]
+
+
 def test_errors():
     for call, words in ((lambda: bsv.convert("missing.xyz"), "missing.xyz does not exist"),
                         (lambda: bsv.convert(wing(), WallSpacing=2.0), "2"),
