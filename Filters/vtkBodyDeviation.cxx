@@ -5,6 +5,7 @@
 
 #include "Base/Numbers.h"
 #include "Body/ClosestPoint.h"
+#include "Body/FaceSurface.h"
 #include "Data/BSplineVolumeData.h"
 #include "Data/BoundarySelection.h"
 #include "Data/NURBSSurfaceData.h"
@@ -59,59 +60,6 @@ struct WallFace
   bsv::BodyPatch patch;
 };
 
-/// Degrees and knots of the face of a block.
-bsv::NURBSSurface emptyFaceSurface(const bsv::BSplineVolume& volume, int face)
-{
-  bsv::NURBSSurface surface;
-  for (int d = 0; d < 2; ++d)
-  {
-    surface.degree[d] = volume.degree[bsv::faceAxis(face, d)];
-    surface.knots[d] = volume.knots[bsv::faceAxis(face, d)];
-  }
-  return surface;
-}
-
-/// Its control points, x y z of each. Knots across the face need not be clamped.
-std::vector<double> facePoints(const bsv::BSplineVolume& volume, int face)
-{
-  const int across = bsv::faceDirection(face);
-  const int degree = volume.degree[across];
-  const std::vector<double>& knots = volume.knots[across];
-  const std::vector<int> spans = bsv::nonEmptySpans(degree, knots);
-  const int span = bsv::faceSide(face) ? spans.back() : spans.front();
-  const double at = knots[span + bsv::faceSide(face)];
-  std::array<double, bsv::MaxDegree + 1> left{}, right{}, weights{};
-  for (int j = 1; j <= degree; ++j)
-  {
-    left[j] = at - knots[span + 1 - j];
-    right[j] = knots[span + j] - at;
-  }
-  bsv::basisFunctions(degree, 0, left.data(), right.data(), weights.data());
-
-  std::vector<double> points;
-  bsv::Ijk ijk;
-  for (int t = 0; t < volume.count(bsv::faceAxis(face, 1)); ++t)
-  {
-    for (int s = 0; s < volume.count(bsv::faceAxis(face, 0)); ++s)
-    {
-      ijk[bsv::faceAxis(face, 0)] = s;
-      ijk[bsv::faceAxis(face, 1)] = t;
-      Vec3 point = Vec3::Zero();
-      for (int q = 0; q <= degree; ++q)
-      {
-        ijk[across] = span - degree + q;
-        const Index place = ijk[0] + Index(volume.count(0)) * (ijk[1] + Index(volume.count(1)) * ijk[2]);
-        if (weights[q] != 0.0)
-        {
-          point += weights[q] * Eigen::Map<const Vec3>(volume.points + 3 * place);
-        }
-      }
-      points.insert(points.end(), point.data(), point.data() + 3);
-    }
-  }
-  return points;
-}
-
 /// The wall, on all ranks.
 std::vector<WallFace> wallFaces(
   const bsv::BSplineVolumeBlocks& input, const std::vector<bool>& isWall, const bsv::Ranks& ranks)
@@ -124,20 +72,14 @@ std::vector<WallFace> wallFaces(
       patches.push_back(patch);
     }
   }
-  const auto points = bsv::gatherListsFromOwners<double>(
-    ranks, patches.size(), [&](std::size_t f) { return input.ranks[patches[f].block]; },
-    [&](std::size_t f) { return facePoints(input.volumes[patches[f].block], patches[f].face); });
+  std::vector<bsv::NURBSSurface> surfaces = bsv::faceSurfaces(input.volumes, patches, ranks);
   std::vector<WallFace> faces;
   for (std::size_t f = 0; f < patches.size(); ++f)
   {
     const bsv::BoundaryPatch& patch = patches[f];
     bsv::BodyPatch face;
     face.name = "face " + std::to_string(patch.face) + " of " + input.label(patch.block);
-    face.surface = emptyFaceSurface(input.volumes[patch.block], patch.face);
-    for (std::size_t i = 0; i < points[f].size(); i += 3)
-    {
-      face.surface.points.emplace_back(points[f][i], points[f][i + 1], points[f][i + 2]);
-    }
+    face.surface = std::move(surfaces[f]);
     faces.push_back({ patch.block, { bsv::faceAxis(patch.face, 0), bsv::faceAxis(patch.face, 1) }, std::move(face) });
   }
   return faces;

@@ -5,79 +5,21 @@
 #include "Data/NURBSSurfaceData.h"
 #include "Execution/FilterExecution.h"
 #include "Formats/CellFormats.h"
-#include "Formats/MeshToWrite.h"
 #include "Formats/NURBSSurfaceFile.h"
 #include "Formats/VolumeFormats.h"
 #include "IO/FileParts.h"
-#include "Volume/VolumeInterfaces.h"
+#include "VolumeInput.h"
 #include "WriteTogether.h"
 
 #include "vtkDataObject.h"
-#include "vtkDataObjectTree.h"
-#include "vtkDataObjectTreeIterator.h"
-#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
-#include "vtkSmartPointer.h"
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 
 vtkStandardNewMacro(vtkBSplineVolumeWriter);
-
-namespace
-{
-
-/// Whether the input is a body of NURBS surfaces: leaves with knots in two directions only.
-bool isSurface(vtkDataObject* input)
-{
-  const auto test = [](vtkDataObject* leaf) {
-    vtkFieldData* fields = leaf ? leaf->GetFieldData() : nullptr;
-    return fields && fields->HasArray("KnotsV") && !fields->HasArray("KnotsW");
-  };
-  auto* tree = vtkDataObjectTree::SafeDownCast(input);
-  if (!tree)
-  {
-    return test(input);
-  }
-  const auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
-  leaves->VisitOnlyLeavesOn();
-  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
-  {
-    if (test(leaves->GetCurrentDataObject()))
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
-bsv::VolumeToWrite volumeToWrite(const bsv::BSplineVolumeBlocks& blocks, const bsv::Execution& run)
-{
-  bsv::VolumeToWrite volume;
-  volume.volumes = blocks.volumes;
-  volume.names = blocks.names;
-  for (std::size_t b = 0; b < blocks.volumes.size(); ++b)
-  {
-    volume.parents.push_back(static_cast<int>(b));
-  }
-  volume.interfaces = blocks.interfaces;
-  volume.boundaries = blocks.boundaries;
-  volume.boundaryNames = blocks.boundaryNames;
-  volume.boundaryTypes = bsv::completeTypes(blocks.boundaryNames, blocks.boundaryTypes);
-  if (!blocks.hasInterfaces)
-  {
-    bsv::VolumeInterfaceOptions options;
-    options.boundaries = blocks.boundaries;
-    options.blockName = [&](int block) { return blocks.label(block); };
-    volume.interfaces = bsv::findVolumeInterfaces(blocks.volumes, options, run);
-  }
-  bsv::completeVolume(volume, run);
-  return volume;
-}
-
-} // namespace
 
 //------------------------------------------------------------------------------
 void vtkBSplineVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
@@ -111,15 +53,13 @@ void vtkBSplineVolumeWriter::WriteData()
     {
       throw bsv::Error("File Name '" + this->FileName + "': the extension must be mesh, xml, g2, msh, h5 or cgns");
     }
-    if (extension == ".g2" && run.ranks->any(isSurface(this->GetInput())))
+    if (extension == ".g2" && run.ranks->any(bsv::isSurface(this->GetInput())))
     {
-      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(this->GetInput(), *run.ranks);
-      run.ranks->together([&] {
-        if (run.ranks->rank() == 0)
-        {
-          bsv::writeNURBSSurfaceFile(patches, this->FileName);
-        }
-      });
+      const bsv::SurfacesToWrite surfaces = bsv::bodyToWrite(bsv::bodyPatches(this->GetInput(), *run.ranks));
+      if (run.ranks->rank() == 0)
+      {
+        bsv::writeNURBSSurfaceFile(surfaces, this->FileName, 1.0, notes);
+      }
       return;
     }
     const bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(this->GetInput(), *run.ranks);
@@ -127,7 +67,7 @@ void vtkBSplineVolumeWriter::WriteData()
     {
       throw bsv::Error("there is no block to write");
     }
-    const bsv::VolumeToWrite volume = volumeToWrite(blocks, run);
+    const bsv::VolumeToWrite volume = bsv::volumeToWrite(blocks, run);
     if (extension != ".g2")
     {
       notes = volume.notes;

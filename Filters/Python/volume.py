@@ -209,7 +209,8 @@ class Volume:
         return counts
 
     def write(self, path, level=1, **properties):
-        """Writes the volume (.qfmb .mesh .xml .g2 .msh .h5), or a mesh sampled at `level` (.cgns .xyz .x .p3d .foam)."""
+        """Writes the volume (.qfmb .mesh .xml .g2 .msh .h5), its wall (.step .stp .igs .iges), or a mesh sampled at `level`
+        (.cgns .xyz .x .p3d .foam)."""
         self.warnings.extend(pipeline.write(path, self._data, lambda: self.sampled(level), properties))
 
     def _filtered(self, name, port, **properties):

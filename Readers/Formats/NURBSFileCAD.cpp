@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The only file of the modules that includes OpenCASCADE.
+// The only file of the readers that includes OpenCASCADE.
 #include "Formats/NURBSFile.h"
 
 #ifndef BSPLINEVOLUME_WITH_OPENCASCADE
@@ -23,6 +23,7 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 
 #include "Body/ClosestPoint.h"
 #include "Body/TrimRegion.h"
+#include "Execution/OpenCASCADESession.h"
 #include "Formats/CADText.h"
 #include "Formats/TextScanner.h"
 
@@ -53,8 +54,6 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_ReportEntity.hxx>
 #include <Interface_Static.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
 #include <Poly_Triangulation.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
@@ -84,7 +83,6 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <unordered_set>
 
 namespace bsv
@@ -103,42 +101,6 @@ constexpr double CurveFraction = 1e-12;
 constexpr double TessellationAngle = 0.35;
 /// Mode in which OpenCASCADE looks for the entity of a shape: whichever way it came from it.
 constexpr int AnyResult = -1;
-
-/// OpenCASCADE's session: one at a time, silent, with its global settings restored.
-class Session
-{
-public:
-  Session()
-    : Lock(guard())
-  {
-    this->Printers = Message::DefaultMessenger()->Printers();
-    Message::DefaultMessenger()->ChangePrinters().Clear();
-  }
-  ~Session()
-  {
-    for (auto at = this->Restore.rbegin(); at != this->Restore.rend(); ++at)
-    {
-      (*at)();
-    }
-    Message::DefaultMessenger()->ChangePrinters() = this->Printers;
-  }
-  void set(const char* name, int value)
-  {
-    const int before = Interface_Static::IVal(name);
-    this->Restore.push_back([=] { Interface_Static::SetIVal(name, before); });
-    Interface_Static::SetIVal(name, value);
-  }
-
-private:
-  static std::mutex& guard()
-  {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::lock_guard<std::mutex> Lock;
-  Message_SequenceOfPrinters Printers;
-  std::vector<std::function<void()>> Restore;
-};
 
 /// Metres per unit of a name that OpenCASCADE or the STEP file gives; 0 if unknown.
 double metres(std::string name)
@@ -999,7 +961,7 @@ NURBSFileContent readCADFile(
     }
   }
   std::map<std::string, int> dropped;
-  Session session;
+  OpenCASCADESession session;
   try
   {
     TopoDS_Shape shape;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file NURBSSurfaceFile.h
-/// Files of untrimmed NURBS patches: GoTools `.g2` (class 200) and IGES 5.3 (entity 128).
+/// Files of untrimmed NURBS patches: STEP, IGES, GoTools `.g2` (class 200).
 #pragma once
 
-#include "Body/NURBSSurface.h"
+#include "Formats/SurfacesToWrite.h"
 
 #include <string>
 #include <vector>
@@ -11,10 +11,12 @@
 namespace bsv
 {
 
-/// Writes the patches in the format that the file's extension names: g2, igs, iges. Numbers are the shortest that read
-/// back to the same double. Patches whose outward normal is -(x_u x x_v) are written with u reversed, since the formats
-/// do not know of it. IGES files declare metres, and hold the first eight characters of the names.
-/// @throws Error for another extension, patches that are trimmed, and what AtomicFile refuses.
-void writeNURBSSurfaceFile(const std::vector<BodyPatch>& patches, const std::string& fileName);
+/// Writes the patches in the format that the file's extension names: step, stp, igs, iges (CADOutput.h) or g2, which
+/// has no names, units and joins, and in which numbers are the shortest that read back to the same double.
+/// @param metres per unit of the points.
+/// @param[in,out] notes gets one sentence for each thing that the format cannot hold.
+/// @throws Error for another extension, what writeCAD() refuses, and what AtomicFile refuses.
+void writeNURBSSurfaceFile(
+  const SurfacesToWrite& surfaces, const std::string& fileName, double metres, std::vector<std::string>& notes);
 
 } // namespace bsv
