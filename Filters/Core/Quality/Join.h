@@ -106,7 +106,8 @@ struct Join
   JumpKind rankedBy() const;
 
   /// Blocks around the four edges of an interface at s = 0, s = end, t = 0, t = end; negative on the outer boundary.
-  /// Of a wall border only the first: blocks around it, negative.
+  /// Of a wall border the first: blocks around it, negative; the last two: blocks around the edges that leave the wall
+  /// at its ends.
   std::array<int, 4> valences{ 0, 0, 0, 0 };
 
   /// Spans along s and t. Where the knots of the two sides differ, a span of the join ends at each of either.

@@ -7,6 +7,15 @@
 namespace bsv
 {
 
+namespace
+{
+
+/// Degrees. Rules with single knots leave 0.3 to 4.8 at extraordinary edges of valence 3 to 8 of smooth bodies
+/// (docs/exact_g1.md); twice that counts as theirs.
+constexpr double SingleKnotKink = 10.0;
+
+} // namespace
+
 const char* joinClassName(JoinClass of)
 {
   static const char* const names[JoinClasses] = { "defect", "expected", "deliberate", "smooth" };
@@ -46,6 +55,10 @@ ClassifiedJoin classifyJoin(const Join& join)
   if (!join.border() && alongS && alongT)
   {
     return { JoinClass::Expected, "at a singular node" };
+  }
+  if ((alongS || alongT) && join.worst[int(join.rankedBy())].value <= SingleKnotKink)
+  {
+    return { JoinClass::Deliberate, "at an extraordinary edge" };
   }
   return { JoinClass::Defect, "kink" };
 }

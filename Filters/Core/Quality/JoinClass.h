@@ -3,7 +3,9 @@
 /// Which joins of a volume are as smooth as they should be, which are rough for a reason, and which are defects.
 ///
 /// - Smooth: C1 or C2.
-/// - Deliberate: G1, as the rules make it at extraordinary edges and where the spacing of layers changes.
+/// - Deliberate: G1, as the rules make it at extraordinary edges and where the spacing of layers changes; and a kink of
+/// at
+///   most 10 degrees at an extraordinary edge, as the rules with single knots leave it (Continuity ExactG1 does not).
 /// - Expected: C0, but something at the join is bound to kink: it is a crease or ends at one, at a reentrant edge of
 /// the
 ///   outer boundary (three or more blocks meet there), or at a singular node (extraordinary edges of both directions

@@ -18,6 +18,31 @@ namespace bsv
 
 namespace
 {
+
+/// Blocks around an edge, negative on the outer boundary.
+int signedValence(const SharedEntities& shared, int block, int edge)
+{
+  const SharedEntities::Edge& entity = shared.edges[shared.blocks[block].edges[edge]];
+  return entity.uses * (entity.boundary ? -1 : 1);
+}
+
+/// Join::valences of a wall border.
+void describeBorder(const SharedEntities& shared, Join& join)
+{
+  const auto& [block, wall, edge] = join.sides[0];
+  join.valences[0] = signedValence(shared, block, edge);
+  const int direction = edgeDirection(edge);
+  // The face that goes off the wall there.
+  const int faces[2] = { 2 * faceAxis(2 * direction, 0) + edgeSide(edge, 0),
+    2 * faceAxis(2 * direction, 1) + edgeSide(edge, 1) };
+  const int face = faces[faces[0] == wall ? 1 : 0];
+  const int across = faceAxis(face, 0) == direction ? 1 : 0;
+  for (int end = 0; end < 2; ++end)
+  {
+    join.valences[2 + end] = signedValence(shared, block, faceEdge(face, across, end));
+  }
+}
+
 /// The pairs of outer faces that meet along a block edge.
 std::vector<Join> outerBorders(const SharedEntities& shared)
 {
@@ -53,7 +78,7 @@ std::vector<Join> outerBorders(const SharedEntities& shared)
         join.sides[k] = { pair[k].block, pair[k].face, pair[k].edge };
       }
       join.orientation = pair[0].reversed != pair[1].reversed ? 2 : 0;
-      join.valences[0] = -shared.edges[shared.blocks[pair[0].block].edges[pair[0].edge]].uses;
+      describeBorder(shared, join);
       borders.push_back(join);
     }
   }
@@ -118,7 +143,7 @@ void describeInterface(const SharedEntities& shared, const std::vector<bool>& cr
     const int axis = n < 2 ? 1 : 0;
     const int edge = shared.blocks[join.sides[0].block].edges[faceEdge(join.sides[0].face, axis, n % 2)];
     const SharedEntities::Edge& entity = shared.edges[edge];
-    join.valences[n] = entity.uses * (entity.boundary ? -1 : 1);
+    join.valences[n] = signedValence(shared, join.sides[0].block, faceEdge(join.sides[0].face, axis, n % 2));
     join.atCrease = join.atCrease || crease[edge];
     join.boundToKink[axis] = join.boundToKink[axis] || crease[edge] || isExtraordinary(entity);
   }
