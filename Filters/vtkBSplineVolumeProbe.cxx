@@ -3,6 +3,7 @@
 
 #include "Base/Numbers.h"
 #include "Data/BSplineVolumeData.h"
+#include "Data/FinitePoints.h"
 #include "Execution/FilterExecution.h"
 #include "Volume/VolumeLocator.h"
 
@@ -180,6 +181,7 @@ int vtkBSplineVolumeProbe::RequestData(
     {
       throw bsv::Error("Points: no points to probe are connected");
     }
+    ranks.together([&] { bsv::requireFinitePoints(points, "Points"); });
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
     const bsv::VolumeLocator locator(input.volumes);
     const double tolerance = std::max(this->Tolerance, Rounding) * diagonal(locator, ranks);

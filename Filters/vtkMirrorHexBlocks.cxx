@@ -6,6 +6,7 @@
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
 #include "Mesh/BlockSurface.h"
+#include "Mesh/MeshCheck.h"
 #include "Ranks/Ranks.h"
 
 #include "vtkDataObject.h"
@@ -302,6 +303,7 @@ int vtkMirrorHexBlocks::RequestData(
     {
       return;
     }
+    bsv::checkFinitePoints(mesh, run);
     std::vector<bsv::BoundaryPatch> onPlane;
     std::vector<bsv::BoundaryPatch> others;
     for (const bsv::BoundaryPatch& patch : mesh.boundaries)

@@ -9,6 +9,7 @@
 #include "Formats/Plot3DOutput.h"
 #include "IO/FileParts.h"
 #include "IO/TextOutput.h"
+#include "Mesh/MeshCheck.h"
 #include "Wall/FlowConditions.h"
 #include "WriteTogether.h"
 
@@ -137,6 +138,7 @@ void vtkHexBlockMeshWriter::WriteData()
     {
       throw bsv::Error("there is no block to write");
     }
+    bsv::checkFinitePoints(mesh, run);
     for (std::size_t b = 0; b < grids.size(); ++b)
     {
       if (grids[b] && grids[b]->GetFieldData()->HasArray("KnotsW"))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/NURBSSurfaceData.h"
 
+#include "Data/FinitePoints.h"
 #include "Data/HexBlockData.h"
 
 #include <vtkCellArray.h>
@@ -347,6 +348,10 @@ std::vector<BodyPatch> bodyPatches(vtkDataObject* input, const Ranks& ranks)
       const std::string text = name ? name : "";
       const std::string label = "patch " + std::to_string(patches.size()) + (text.empty() ? "" : " '" + text + "'");
       patches.emplace(place, readPatch(grid, text, label));
+    }
+    else if (auto* surface = vtkPolyData::SafeDownCast(data))
+    {
+      requireFinitePoints(surface, "body, " + std::string(name ? "'" + std::string(name) + "'" : "surface"));
     }
   };
   ranks.together([&] {

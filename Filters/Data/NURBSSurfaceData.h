@@ -46,8 +46,8 @@ namespace bsv
 {
 
 /// The patches of a body: all structured grids of the input (a collection, a tree or one grid) that have the array
-/// `Degree`, in their order; other data sets are passed over. Collective: patches that only some ranks have are sent to
-/// the others; all have the same tree, or none.
+/// `Degree`, in their order; other data sets are passed over, but points of surfaces must be finite. Collective:
+/// patches that only some ranks have are sent to the others; all have the same tree, or none.
 /// @param ranks who shares the body; by default nobody.
 /// @throws Error for arrays of the wrong type or size, what checkBodyPatch() refuses, and an input without patches.
 BSPLINEVOLUMEFILTERS_EXPORT std::vector<BodyPatch> bodyPatches(vtkDataObject* input, const Ranks& ranks = Ranks());

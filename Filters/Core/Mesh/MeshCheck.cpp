@@ -257,6 +257,13 @@ void checkSizes(const BlockMesh& mesh, const Ranks& ranks)
   }
 }
 
+[[noreturn]] void throwNotFinite(const BlockMesh& mesh, int block, const Ijk& point)
+{
+  throw ErrorAt(block,
+    blockLabel(mesh, block) + ", point " + text(point) + ": coordinates " + text(mesh.blocks[block].points(point)) +
+      " are not finite");
+}
+
 /// Counts the cells of the blocks that are here.
 std::vector<CellCount> checkCells(const BlockMesh& mesh, bool allowDegenerate, const Execution& run)
 {
@@ -302,9 +309,7 @@ std::vector<CellCount> checkCells(const BlockMesh& mesh, bool allowDegenerate, c
       const Finding& found = findings[n];
       if (found.fault == Fault::NotFinite)
       {
-        throw ErrorAt(b,
-          blockLabel(mesh, b) + ", point " + text(found.faultAt) + ": coordinates " +
-            text(mesh.blocks[b].points(found.faultAt)) + " are not finite");
+        throwNotFinite(mesh, b, found.faultAt);
       }
       if (found.fault == Fault::Degenerate)
       {
@@ -362,6 +367,41 @@ MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution
     }
   }
   return check;
+}
+
+void checkFinitePoints(const BlockMesh& mesh, const Execution& run)
+{
+  run.ranks->together([&] {
+    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+    {
+      const GridView& points = mesh.blocks[b].points;
+      if (!points.isHere())
+      {
+        continue;
+      }
+      const Ijk counts = points.counts();
+      // The first bad point of each layer, or -1.
+      std::vector<Index> bad(counts[2], -1);
+      run.parallelFor(counts[2], 1, [&](Index begin, Index end) {
+        for (int k = static_cast<int>(begin); k < end; ++k)
+        {
+          const Index layer = Index(counts[0]) * counts[1];
+          for (Index n = 0; n < layer && bad[k] < 0; ++n)
+          {
+            bad[k] = points(static_cast<int>(n % counts[0]), static_cast<int>(n / counts[0]), k).allFinite() ? -1 : n;
+          }
+        }
+      });
+      for (int k = 0; k < counts[2]; ++k)
+      {
+        if (bad[k] >= 0)
+        {
+          throwNotFinite(mesh, static_cast<int>(b),
+            { static_cast<int>(bad[k] % counts[0]), static_cast<int>(bad[k] / counts[0]), k });
+        }
+      }
+    }
+  });
 }
 
 double minimumScaledJacobian(const GridView& points, const Execution& run)

@@ -34,6 +34,10 @@ struct MeshCheck
 /// @throws Error that names the first block and point or cell.
 MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution& run);
 
+/// Looks at the points alone, as checkMesh() does. Collective.
+/// @throws Error that names the first block and point that is not finite.
+void checkFinitePoints(const BlockMesh& mesh, const Execution& run);
+
 /// Smallest scaled Jacobian of a right-handed block, -1 to 1: over all corners of all cells, the determinant of the
 /// three edges there divided by their lengths; edges of no length count as -1.
 double minimumScaledJacobian(const GridView& points, const Execution& run = {});

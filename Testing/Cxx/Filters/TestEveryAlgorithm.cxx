@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -135,6 +137,42 @@ TEST_F(EveryAlgorithm, ErrorsAndAbortsLeaveAllOutputsEmpty)
       }
     }
   }
+}
+
+TEST_F(EveryAlgorithm, PointsThatAreNotFiniteAreRefusedWithTheirPlace)
+{
+  // Blocks, control points, patches and the triangles of the body, which is its last block.
+  int refused = 0;
+  for (int n = 0; n < 3 * 2 * Inputs::Count; ++n)
+  {
+    const int input = n / 6;
+    const bool first = n / 3 % 2 == 0;
+    const double value = std::array<double, 3>{ std::nan(""), HUGE_VAL, -HUGE_VAL }[n % 3];
+    const Inputs broken = All->withCoordinate(input, first, value);
+    std::vector<Inputs::Case> cases = broken.filters();
+    for (const Inputs::Case& writer : broken.writers())
+    {
+      cases.push_back(writer);
+    }
+    for (const Inputs::Case& which : cases)
+    {
+      if (std::find(which.inputs.begin(), which.inputs.end(), broken.input(input)) == which.inputs.end())
+      {
+        continue;
+      }
+      const std::string place = which.name + ", input " + std::to_string(input) +
+        (first ? ", first block, " : ", last block, ") + std::to_string(value);
+      const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
+      const std::vector<std::string> messages = algorithms::run(algorithm).messages;
+      EXPECT_EQ(messages.size(), 1u) << place;
+      const std::string message = messages.empty() ? "" : messages[0];
+      EXPECT_NE(message.find("not finite"), std::string::npos) << place << ": " << message;
+      EXPECT_NE(message.find("point "), std::string::npos) << place << ": " << message;
+      EXPECT_EQ(algorithms::sizeOfOutputs(algorithm), 0) << place;
+      refused += messages.size() == 1 ? 1 : 0;
+    }
+  }
+  std::cout << refused << " refusals\n";
 }
 
 /// Counts ranges of loops in place of seconds, one thread doing all.

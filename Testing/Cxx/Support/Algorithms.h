@@ -27,11 +27,13 @@
 
 #include <vtkCellType.h>
 #include <vtkCommand.h>
+#include <vtkDataArray.h>
 #include <vtkExecutive.h>
 #include <vtkFieldData.h>
 #include <vtkIdList.h>
 #include <vtkNew.h>
 #include <vtkPartitionedDataSetCollection.h>
+#include <vtkPointSet.h>
 #include <vtkPoints.h>
 #include <vtkSmartPointer.h>
 #include <vtkTable.h>
@@ -183,7 +185,34 @@ public:
     std::function<vtkSmartPointer<vtkAlgorithm>()> make;
     /// What a writer writes.
     std::string file;
+    std::vector<vtkDataObject*> inputs;
   };
+
+  static constexpr int Count = 4;
+  /// Mesh, body, volume and hexahedra.
+  vtkDataObject* input(int which) const { return this->*Members[which]; }
+
+  /// The same, but for the last coordinate of the last point of one input's first or last block.
+  Inputs withCoordinate(int which, bool first, double value) const
+  {
+    Inputs result = *this;
+    vtkSmartPointer<vtkDataObject>& input = result.*Members[which];
+    auto changed = vtkSmartPointer<vtkDataObject>::Take(input->NewInstance());
+    changed->DeepCopy(input);
+    input = changed;
+    vtkPoints* points = nullptr;
+    if (auto* tree = vtkPartitionedDataSetCollection::SafeDownCast(input))
+    {
+      const unsigned int block = first ? 0 : tree->GetNumberOfPartitionedDataSets() - 1;
+      points = vtkPointSet::SafeDownCast(tree->GetPartitionAsDataObject(block, 0))->GetPoints();
+    }
+    else
+    {
+      points = vtkPointSet::SafeDownCast(input)->GetPoints();
+    }
+    points->GetData()->SetComponent(points->GetNumberOfPoints() - 1, 2, value);
+    return result;
+  }
 
   /// Filters and the source.
   std::vector<Case> filters() const
@@ -202,7 +231,7 @@ public:
           configure(algorithm.Get());
           return algorithm;
         },
-        "" });
+        "", inputs });
     };
     const auto asIs = [](auto*) {};
     const int resolution = this->Resolution;
@@ -245,7 +274,7 @@ public:
           writer->SetFileName(path.c_str());
           return writer;
         },
-        path });
+        path, { input } });
     };
     for (const char* file : { "mesh.xyz", "mesh.cgns", "mesh.foam" })
     {
@@ -276,7 +305,7 @@ public:
           reader->SetFileName(path.c_str());
           return reader;
         },
-        "" });
+        "", {} });
     };
     add(static_cast<vtkHexBlockMeshReader*>(nullptr), "mesh.xyz");
     add(static_cast<vtkHexBlockMeshReader*>(nullptr), "mesh.cgns");
@@ -298,6 +327,8 @@ private:
   std::string Folder;
   int Resolution;
   vtkSmartPointer<vtkDataObject> Mesh, Body, Volume, Hexahedra;
+  static constexpr vtkSmartPointer<vtkDataObject> Inputs::*Members[Count] = { &Inputs::Mesh, &Inputs::Body,
+    &Inputs::Volume, &Inputs::Hexahedra };
 };
 
 } // namespace algorithms
