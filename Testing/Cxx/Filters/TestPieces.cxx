@@ -374,8 +374,9 @@ TEST(Pieces, OfBinaryFilesOnlyTheirPartIsRead)
       const Index before = bytesRead();
       entry.second->UpdatePiece(count - 1, count, 0);
       const double share = static_cast<double>(bytesRead() - before - (apart ? program : 0)) / size;
-      // Headers, and what is read ahead of each of the eight blocks.
-      EXPECT_LT(share, 1.0 / count + 0.15) << entry.first;
+      // Headers, and what is read ahead of each of the eight blocks; the tree of a CGNS file is read twice, for its
+      // time steps and for its blocks.
+      EXPECT_LT(share, 1.0 / count + (apart ? 0.25 : 0.15)) << entry.first;
     }
   }
 }
