@@ -24,7 +24,7 @@ def conversion_arguments(parser):
 
 
 def properties_of(arguments):
-    properties = {}
+    properties = {"CheckJoins": True}
     if arguments.body:
         properties["BodyBoundaries"] = arguments.body.split(",")
     if arguments.body_faces:

@@ -25,6 +25,10 @@ pre { background: #f6f6f6; padding: .8em; white-space: pre-wrap } img { width: 1
 WORST_JOINS = 15
 BLOCKS_SHOWN = 200
 
+#: Columns of the table of joins that a reader of the report needs, and their titles.
+JOIN_COLUMNS = {"Class": "class", "Kind": "what", "NameA": "block", "NameB": "block", "Continuity": "continuity",
+                "MaximumLayerJump": "kink of layers, degrees", "MaximumC1Jump": "C1 jump", "MaximumC2Jump": "C2 jump"}
+
 #: Captions and files.
 PICTURES = (("The volumes: wall, creases, extraordinary curves", "volume.png"),
             ("Validity: the wall as a ghost, spans that are not proven valid inside", "quality.png"),
@@ -111,11 +115,10 @@ def _table(head, rows):
 
 def _joins(volume):
     columns = volume.smoothness()
-    names = list(columns)
-    count = len(columns[names[0]])
-    rows = [[columns[name][n] if columns[name][n].__class__ is not np.ndarray else " ".join(map(str, columns[name][n]))
-             for name in names] for n in range(min(count, WORST_JOINS))]
-    return names, rows, count
+    count = len(columns["Class"])
+    rows = [[columns[name][n] for name in JOIN_COLUMNS] + [" ".join("%.4g" % x for x in columns["Where"][n])]
+            for n in range(min(count, WORST_JOINS))]
+    return list(JOIN_COLUMNS.values()) + ["where"], rows, count
 
 
 def _blocks(volume):

@@ -149,6 +149,7 @@ class Volume:
 
         BSpline Volume Probe finds them. At points that blocks share the lowest block is given.
         @param tolerance distance at which a point is found, as a fraction of the volume's diagonal
+        @throws bsplinevolume.Error for points that are not finite
         """
         probe = pipeline.filter_named("vtkBSplineVolumeProbe")
         probe.SetTolerance(tolerance)
