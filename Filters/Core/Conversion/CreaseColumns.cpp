@@ -2,12 +2,15 @@
 #include "Conversion/CreaseColumns.h"
 
 #include "Base/Numbers.h"
+#include "Conversion/LayerRules.h"
 #include "Ranks/OwnedValues.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 namespace bsv
 {
@@ -20,15 +23,15 @@ struct Foot
   int line; ///< of the crease's mesh points
   Triple point;
   Triple area;     ///< of the quadrilateral, of either sign
-  double rounding; ///< |area . delta|, not 0
+  double rounding; ///< |area . delta| or what else says how deep the rounding is, not 0
+  double keep;     ///< of the point itself
 };
 
-void addFoot(std::vector<Foot>& feet, int line, const Vec3& x, const Vec3& area, const Vec3& delta)
+void addFoot(std::vector<Foot>& feet, int line, const Vec3& x, const Vec3& area, double rounding, double keep = 1.0)
 {
-  const double rounding = std::abs(area.dot(delta));
-  if (rounding > 0.0)
+  if (rounding != 0.0)
   {
-    feet.push_back({ line, { x[0], x[1], x[2] }, { area[0], area[1], area[2] }, rounding });
+    feet.push_back({ line, { x[0], x[1], x[2] }, { area[0], area[1], area[2] }, std::abs(rounding), keep });
   }
 }
 
@@ -72,32 +75,81 @@ void addVertexFeet(std::vector<Foot>& feet, const BlockComplex& complex, int ver
   const Vec3 delta = sortedSum(offsets) / (n * (n + 5.0));
   for (const Vec3& area : areas)
   {
-    addFoot(feet, line, star.point, area, delta);
+    addFoot(feet, line, star.point, area, area.dot(delta));
   }
 }
 
-/// Of all mesh points of a crease edge. Between its vertices delta is that of the mask [1/6 2/3 1/6].
-std::vector<Foot> feetOf(const BlockComplex& complex, int edge, const EdgeFan& fan)
+/// Of mesh point k of an edge, for the column of a spoke. Delta is that of the mask [1/6 2/3 1/6] from the spoke before
+/// to the one behind.
+void addSpokeFeet(
+  std::vector<Foot>& feet, const BlockComplex& complex, int edge, const EdgeFan& fan, int spoke, int k, double keep)
+{
+  const int cells = complex.edges[edge].cells;
+  const int count = fan.spokeCount();
+  const auto pointAt = [&](int i, int layer, int step) {
+    const auto [sector, which] = fan.spoke(i);
+    const ComplexBlock& owner = complex.blocks[sector->block];
+    return owner.points(sector->point(owner, layer, which == 0 ? step : 0, which == 0 ? 0 : step));
+  };
+  const std::array<int, 2> beside{ (spoke + count - 1) % count, (spoke + 1) % count };
+  const Vec3 x = pointAt(0, k, 0);
+  const Vec3 up = pointAt(spoke, k, 1) - x;
+  const Vec3 along = pointAt(0, std::min(k + 1, cells), 0) - pointAt(0, std::max(k - 1, 0), 0);
+  const Vec3 delta = ((pointAt(beside[0], k, 1) + pointAt(beside[1], k, 1)) - 2.0 * x) / 6.0;
+  for (const int other : beside)
+  {
+    const Vec3 area = (pointAt(other, k, 1) - x).cross(along);
+    addFoot(feet, k, x, area, area.dot(delta), keep);
+    if (fan.closed || (other != 0 && other != count - 1))
+    {
+      addFoot(feet, k, x, area, up.cross(along).dot(delta), keep);
+    }
+  }
+}
+
+/// Of all mesh points of a crease edge, for the column of an inner spoke.
+std::vector<Foot> feetOfCrease(const BlockComplex& complex, int edge, const EdgeFan& fan, int spoke)
 {
   const ComplexEdge& shared = complex.edges[edge];
-  const FanSector& first = fan.sectors.front();
-  const FanSector& last = fan.sectors.back();
-  const ComplexBlock& firstOwner = complex.blocks[first.block];
-  const ComplexBlock& lastOwner = complex.blocks[last.block];
   std::vector<Foot> feet;
   addVertexFeet(feet, complex, shared.vertices[0], 0);
   addVertexFeet(feet, complex, shared.vertices[1], shared.cells);
-  for (int k = 1; k < shared.cells; ++k)
+  // Between two blocks the vertices have said all about the ends.
+  const int end = fan.spokeCount() == 3 ? 1 : 0;
+  for (int k = end; k <= shared.cells - end; ++k)
   {
-    const auto pointAt = [&](int layer) { return firstOwner.points(first.point(firstOwner, layer, 0, 0)); };
-    const Vec3 x = pointAt(k);
-    const Vec3 left = firstOwner.points(first.point(firstOwner, k, 1, 0));
-    const Vec3 right = lastOwner.points(last.point(lastOwner, k, 0, 1));
-    const Vec3 along = pointAt(k + 1) - pointAt(k - 1);
-    const Vec3 delta = ((left + right) - 2.0 * x) / 6.0;
-    for (const Vec3& beside : { left, right })
+    addSpokeFeet(feet, complex, edge, fan, spoke, k, 1.0);
+  }
+  return feet;
+}
+
+/// Of the mesh points of an inner edge that columns from several sides keep, for the column of a spoke.
+std::vector<Foot> feetOfMeeting(
+  const BlockComplex& complex, const FaceKeeps& keeps, int edge, const EdgeFan& fan, int spoke)
+{
+  std::vector<Foot> feet;
+  for (int k = 0; k <= complex.edges[edge].cells; ++k)
+  {
+    std::vector<bool> kept;
+    double keep = 0.0;
+    for (int i = 0; i < fan.spokeCount(); ++i)
     {
-      addFoot(feet, k, x, (beside - x).cross(along), delta);
+      const FanSector& sector = fan.sectors[i];
+      const ComplexBlock& owner = complex.blocks[sector.block];
+      const int face = sector.spokeFace(0);
+      const std::vector<double>& values = keeps[owner.faces[face]];
+      const auto at = [&](int step) {
+        const Ijk ijk = sector.point(owner, k, step, 0);
+        return values.empty()
+          ? 0.0
+          : values[keepIndex(complex, sector.block, face, ijk[faceAxis(face, 0)], ijk[faceAxis(face, 1)])];
+      };
+      kept.push_back(at(0) > 0.0 || at(1) > 0.0);
+      keep = std::max(keep, at(0));
+    }
+    if (keep > 0.0 && keptLinesMeet(true, kept))
+    {
+      addSpokeFeet(feet, complex, edge, fan, spoke, k, keep);
     }
   }
   return feet;
@@ -148,7 +200,7 @@ bool fillColumn(const BlockComplex& complex, const Column& column, double range,
       }
       const Vec3 offset = owner.points(ijk) - Vec3(foot.point.data());
       const double depth = std::abs(Vec3(foot.area.data()).dot(offset));
-      const double weight = depth < reach ? 1.0 - depth / reach : 0.0;
+      const double weight = depth < reach ? foot.keep * (1.0 - depth / reach) : 0.0;
       double& keep = values[keepIndex(complex, column.block, column.face, s, t)];
       keep = std::max(keep, weight);
       reaches = reaches || (k == rise && weight > 0.0);
@@ -203,52 +255,87 @@ FaceKeeps creaseColumns(
   }
   // The default, 8, reaches four depths: where the cells of both sides are alike, two thirds of a cell.
   const double range = 0.5 * propagationRange;
-  std::vector<int> creases;
+  // The spokes of edges at which columns start.
+  struct Start
+  {
+    int edge;
+    int spoke;
+  };
+  std::set<int> filled;
+  const auto rise = [&](const std::vector<Start>& starts, const auto& feetOf) {
+    const auto fanOf = [&](std::size_t i) -> const EdgeFan& { return rules.edges[starts[i].edge].fans.front(); };
+    const std::vector<std::vector<Foot>> feet = gatherListsFromOwners<Foot>(
+      ranks, starts.size(), [&](std::size_t i) { return complex.blocks[fanOf(i).sectors.front().block].rank; },
+      [&](std::size_t i) { return feetOf(starts[i].edge, fanOf(i), starts[i].spoke); });
+    std::vector<Column> columns;
+    for (std::size_t i = 0; i < starts.size(); ++i)
+    {
+      const FanSector& start = fanOf(i).sectors[starts[i].spoke];
+      if (!feet[i].empty())
+      {
+        columns.push_back({ &feet[i], start.block, start.spokeFace(0), start.edge, start.reversed });
+      }
+    }
+    // All columns rise by one face at a time; each has every face once at the most: a ring of faces of no extent would
+    // have no end.
+    for (std::size_t steps = 0; steps < complex.faces.size() && !columns.empty(); ++steps)
+    {
+      std::vector<char> fills;
+      ranks.together([&] {
+        for (const Column& column : columns)
+        {
+          fills.push_back(fillColumn(complex, column, range, keeps));
+          filled.insert(complex.blocks[column.block].faces[column.face]);
+        }
+      });
+      const std::vector<char> reaches = gatherFromOwners<char>(
+        ranks, columns.size(), [&](std::size_t i) { return complex.blocks[columns[i].block].rank; },
+        [&](std::size_t i) { return fills[i]; });
+      std::vector<Column> next;
+      for (std::size_t i = 0; i < columns.size(); ++i)
+      {
+        const EdgeRule& top = rules.edges[complex.blocks[columns[i].block].edges[columns[i].topEdge()]];
+        if (reaches[i] && top.regular())
+        {
+          next.push_back(nextColumn(columns[i], top.fans.front()));
+        }
+      }
+      columns = std::move(next);
+    }
+  };
+
+  std::vector<Start> starts;
   for (std::size_t e = 0; e < complex.edges.size(); ++e)
   {
     const EdgeRule& foot = rules.edges[e];
-    if (foot.feature && foot.rule == ControlPointRule::Crease && foot.fans.size() == 1 &&
-      foot.fans.front().sectors.size() == 2)
+    if (foot.feature && foot.rule == ControlPointRule::Crease && foot.fans.size() == 1)
     {
-      creases.push_back(static_cast<int>(e));
+      for (int spoke = 1; spoke + 1 < foot.fans.front().spokeCount(); ++spoke)
+      {
+        starts.push_back({ static_cast<int>(e), spoke });
+      }
     }
   }
-  const auto fanOf = [&](std::size_t i) -> const EdgeFan& { return rules.edges[creases[i]].fans.front(); };
-  const std::vector<std::vector<Foot>> feet = gatherListsFromOwners<Foot>(
-    ranks, creases.size(), [&](std::size_t i) { return complex.blocks[fanOf(i).sectors.front().block].rank; },
-    [&](std::size_t i) { return feetOf(complex, creases[i], fanOf(i)); });
+  rise(starts, [&](int edge, const EdgeFan& fan, int spoke) { return feetOfCrease(complex, edge, fan, spoke); });
 
-  std::vector<Column> columns;
-  for (std::size_t i = 0; i < creases.size(); ++i)
+  starts.clear();
+  for (std::size_t e = 0; e < complex.edges.size() && !filled.empty(); ++e)
   {
-    const FanSector& start = fanOf(i).sectors[1];
-    columns.push_back({ &feet[i], start.block, start.spokeFace(0), start.edge, start.reversed });
-  }
-  // All columns rise by one face at a time; each has every face once at the most: a ring of faces of no extent would
-  // have no end.
-  for (std::size_t steps = 0; steps < complex.faces.size() && !columns.empty(); ++steps)
-  {
-    std::vector<char> fills;
-    ranks.together([&] {
-      for (const Column& column : columns)
-      {
-        fills.push_back(fillColumn(complex, column, range, keeps));
-      }
-    });
-    const std::vector<char> reaches = gatherFromOwners<char>(
-      ranks, columns.size(), [&](std::size_t i) { return complex.blocks[columns[i].block].rank; },
-      [&](std::size_t i) { return fills[i]; });
-    std::vector<Column> next;
-    for (std::size_t i = 0; i < columns.size(); ++i)
+    const EdgeRule& rule = rules.edges[e];
+    int count = 0;
+    for (int spoke = 0; !complex.edges[e].boundary && !rule.anchored && spoke < rule.fans.front().spokeCount(); ++spoke)
     {
-      const EdgeRule& top = rules.edges[complex.blocks[columns[i].block].edges[columns[i].topEdge()]];
-      if (reaches[i] && top.regular())
-      {
-        next.push_back(nextColumn(columns[i], top.fans.front()));
-      }
+      count += filled.count(rule.fans.front().faceOf(complex, spoke)) > 0 ? 1 : 0;
     }
-    columns = std::move(next);
+    for (int spoke = 0; count > 1 && spoke < rule.fans.front().spokeCount(); ++spoke)
+    {
+      starts.push_back({ static_cast<int>(e), spoke });
+    }
   }
+  // All from what the creases keep: the order does not matter.
+  const FaceKeeps fromCreases = keeps;
+  rise(starts,
+    [&](int edge, const EdgeFan& fan, int spoke) { return feetOfMeeting(complex, fromCreases, edge, fan, spoke); });
   return keeps;
 }
 

@@ -12,6 +12,12 @@
 /// at p; those whose plane contains delta do not count. Depths are measured by volumes, so that affine maps change
 /// nothing, and against each side of the crease: where one has long cells and the other short ones, as at blunt edges,
 /// delta is deep against the short ones only.
+///
+/// Where more than two blocks meet at a crease, several faces rise from it. delta of each is that of the mask from the
+/// face before to the one behind, A_f the areas beside it, and two such faces must not lean into the block between
+/// them: with up = the step along the face, depths are also measured by |(up x along) . delta|. At a corner of the
+/// surface the columns of several creases meet in an inner edge, whose points they keep; the other faces at that edge
+/// then rise from it in the same way, by weights multiplied by that of the edge's point.
 #pragma once
 
 #include "Conversion/EntityRules.h"
@@ -30,8 +36,8 @@ using FaceKeeps = std::vector<std::vector<double>>;
 /// Place of mesh point (s, t) of a block's face in the values of its face.
 std::size_t keepIndex(const BlockComplex& complex, int block, int face, int s, int t);
 
-/// Of every face that rises from a crease between two blocks, and of those that continue it through regular edges,
-/// until the weight has faded out. Collective; each rank fills in what it knows the points of.
+/// Of every inner face that rises from a crease or from an edge where such faces meet, and of those that continue it
+/// through regular edges, until the weight has faded out. Collective; each rank fills in what it knows the points of.
 /// @param complex that of LocalStars. @param propagationRange 2 r; 0 turns it off.
 FaceKeeps creaseColumns(
   const BlockComplex& complex, double propagationRange, const EntityRules& rules, const Ranks& ranks);

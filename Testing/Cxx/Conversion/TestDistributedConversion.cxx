@@ -365,6 +365,14 @@ TEST(DistributedConversion, CreasesRiseThroughSeveralBlocks)
   expectSerialBits(angled, 8);
 }
 
+// Columns from creases of three blocks, and those that rise where others meet.
+TEST(DistributedConversion, CreasesMeetAtCorners)
+{
+  Case test("cube", meshcases::aroundCube(1, 0.2, false));
+  test.complexOptions.creaseAngle = 30.0;
+  expectSerialBits(test, 3);
+}
+
 TEST(DistributedConversion, WallSpacing)
 {
   const ConversionOptions walls = withRoles({ BoundaryRole::Body, BoundaryRole::Body });

@@ -103,6 +103,36 @@ TEST(ValidSpans, BluntEdges)
   }
 }
 
+// Cubes and bars with sharp edges, one long cell along them and thin layers around: where three blocks meet at an edge,
+// and more edges at a corner, the mesh lines above them keep their places without any repair.
+TEST(ValidSpans, SharpEdgesBetweenSeveralBlocks)
+{
+  const Eigen::AngleAxisd turn(0.7, Vec3(1, 2, 3).normalized());
+  for (const bool bar : { true, false })
+  {
+    for (const double firstLayer : bar ? std::vector<double>{ 1e-1, 1e-3, 1e-6 } : std::vector<double>{ 1e-1, 3e-2 })
+    {
+      for (const double shear : { 0.0, 0.8 })
+      {
+        MeshCase mesh = meshcases::aroundCube(1, firstLayer, bar);
+        mesh.apply([&](const Vec3& x) { return turn * Vec3(x[0] + shear * x[1], x[1] - 0.5 * shear * x[2], x[2]); });
+        ConversionOptions options;
+        options.roles = { BoundaryRole::Body };
+        options.repairSpans = false;
+        BlockComplexOptions complexOptions;
+        complexOptions.creaseAngle = 30.0;
+        const Converted converted = convert(mesh.mesh(), options, complexOptions);
+        EXPECT_EQ(notProven(converted), 0) << "bar " << bar << ", first layer " << firstLayer << ", shear " << shear;
+        EXPECT_EQ(conversioncases::interfaceJumps(converted).openControlPoints, 0);
+        MeshCase other = mesh;
+        meshcases::shuffle(other, 5, true);
+        EXPECT_TRUE(conversioncases::canonicalNet(convert(other.mesh(), options, complexOptions)) ==
+          conversioncases::canonicalNet(converted));
+      }
+    }
+  }
+}
+
 // The edge of a single block that runs out in a smooth surface: at its end the cell's three edges must not lie in one
 // plane.
 TEST(ValidSpans, EdgeOfOneBlockEndsAtACorner)

@@ -364,6 +364,50 @@ MeshCase polycubeBody(const std::vector<Ijk>& cubes, int cells, const std::vecto
   return result;
 }
 
+MeshCase aroundCube(int cells, double firstLayer, bool bar)
+{
+  std::vector<double> layers{ 0.0 };
+  for (double h = firstLayer; layers.back() < 2.0; h *= 1.7)
+  {
+    layers.push_back(layers.back() + h);
+  }
+  // Below, along and above the cube.
+  std::array<std::vector<double>, 3> pieces;
+  for (const double z : layers)
+  {
+    pieces[0].insert(pieces[0].begin(), -1.0 - z);
+    pieces[2].push_back(1.0 + z);
+  }
+  for (int i = 0; i <= cells; ++i)
+  {
+    pieces[1].push_back(2.0 * i / cells - 1.0);
+  }
+  MeshCase mesh;
+  mesh.boundaryNames = { "wall" };
+  for (int place = 0; place < 27; ++place)
+  {
+    const Ijk at{ place % 3, place / 3 % 3, place / 9 };
+    const int middle = (at[0] == 1) + (at[1] == 1) + (at[2] == 1);
+    if (middle == 3 || (bar && (at[2] != 1)))
+    {
+      continue;
+    }
+    const auto cellsOf = [&](int d) { return static_cast<int>(pieces[at[d]].size()) - 1; };
+    mesh.add({ cellsOf(0), cellsOf(1), cellsOf(2) },
+      [&](const Ijk& p) { return Vec3(pieces[at[0]][p[0]], pieces[at[1]][p[1]], pieces[at[2]][p[2]]); });
+    for (int d = 0; d < 3; ++d)
+    {
+      if (middle == 2 && at[d] != 1)
+      {
+        const int face = 2 * d + (at[d] == 0 ? 1 : 0);
+        mesh.boundaries.push_back({ static_cast<int>(mesh.blocks.size()) - 1, face,
+          { { 0, 0 }, { cellsOf(d == 0 ? 1 : 0), cellsOf(d == 2 ? 1 : 2) } }, 0 });
+      }
+    }
+  }
+  return mesh;
+}
+
 MeshCase ball(int cells, int radialCells)
 {
   const double core = 0.4;

@@ -87,6 +87,10 @@ MeshCase sphereBody(int cells, const std::vector<double>& radii);
 /// Laplacian steps. Layers as in sphereBody(). One cube has extraordinary edges of valence 3, an L of three 5 too.
 MeshCase polycubeBody(const std::vector<Ijk>& cubes, int cells, const std::vector<double>& radii);
 
+/// 26 blocks around the cube [-1, 1]^3 with `cells` cells along its edges, in a larger cube; layers from `firstLayer`
+/// on grow by the factor 1.7. `bar`: 8 blocks around a square bar that ends at both sides. Boundary "wall".
+MeshCase aroundCube(int cells, double firstLayer, bool bar);
+
 /// Unit ball: a cube and six blocks around it. 20 extraordinary edges of valence 3, 8 singular nodes.
 MeshCase ball(int cells, int radialCells);
 
