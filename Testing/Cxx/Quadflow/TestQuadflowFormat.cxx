@@ -4,6 +4,7 @@
 
 #include "Conversion/Conversion.h"
 #include "Mesh/SharedEntities.h"
+#include "Support/Files.h"
 #include "Support/ThreadRanks.h"
 #include "Support/VolumeCases.h"
 
@@ -31,25 +32,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-
-/// A folder that is removed with everything in it.
-struct Folder
-{
-  Folder()
-    : path(fs::temp_directory_path() / ("bsv-quadflow-" + std::to_string(::getpid())))
-  {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const std::string& name) const { return (path / name).string(); }
-  std::size_t files() const
-  {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-  }
-
-  fs::path path;
-};
 
 QuadflowInput inputOf(const Volumes& volumes)
 {
@@ -271,7 +253,7 @@ TEST(SharedEntities, RefusesContactsThatCannotBe)
 
 TEST(Quadflow, RoundTripIsBitForBit)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(2);
   for (const Volumes& volumes : cases(random))
   {
@@ -326,7 +308,7 @@ TEST(Quadflow, RoundTripIsBitForBit)
 
 TEST(Quadflow, RoundTripOfHardNumbersAndGeneralKnots)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(3);
   Volumes volumes;
   const std::vector<double> linear{ 0.1, 0.1, 0.3, 7.7, 7.7 };
@@ -348,7 +330,7 @@ TEST(Quadflow, RoundTripOfHardNumbersAndGeneralKnots)
 
 TEST(Quadflow, UnitKnotsComeBackAsIntegers)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(4);
   QuadflowOptions unit;
   unit.unitKnots = true;
@@ -488,7 +470,7 @@ TEST(Quadflow, RefusesVolumesThatAreNotConforming)
 
 TEST(Quadflow, MalformedFilesAreRefusedByLine)
 {
-  Folder folder;
+  TemporaryFolder folder;
   QuadflowInput input = inputOf(fan(3));
   const Volumes volumes = fan(3);
   for (std::size_t b = 0; b < 3; ++b)
@@ -632,7 +614,7 @@ TEST(Quadflow, MalformedFilesAreRefusedByLine)
     }
   }
   EXPECT_NE(errorOf(folder / "none.qfmb").find("Cannot open"), std::string::npos);
-  EXPECT_NE(errorOf(folder.path.string()).find("not a regular file"), std::string::npos);
+  EXPECT_NE(errorOf(folder.path()).find("not a regular file"), std::string::npos);
   put(path, "");
   EXPECT_NE(errorOf(path).find("the file ends"), std::string::npos);
 }
@@ -640,7 +622,7 @@ TEST(Quadflow, MalformedFilesAreRefusedByLine)
 // Whatever is cut off or changed, the result is an error or a case that passes its checks; never a crash.
 TEST(Quadflow, DamagedFilesAreErrorsOrValid)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(7);
   const Volumes volumes = fan(3);
   const std::string path = folder / "a.qfmb";
@@ -698,7 +680,7 @@ BinaryParts binaryParts(const std::string& file, std::size_t controlPoints)
 
 TEST(Quadflow, ReadsBinaryNumbersOfTheOtherByteOrder)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(10);
   Volumes volumes;
   const std::vector<double> knots = clampedIntegerKnots(3);
@@ -722,7 +704,7 @@ TEST(Quadflow, ReadsBinaryNumbersOfTheOtherByteOrder)
 
 TEST(Quadflow, MalformedBinaryFilesAreRefusedByLine)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(11);
   Volumes volumes;
   const std::vector<double> knots = clampedIntegerKnots(3);
@@ -784,7 +766,7 @@ TEST(Quadflow, MalformedBinaryFilesAreRefusedByLine)
 
 TEST(Quadflow, ReadsBlanksCommentsAndForeignLineEnds)
 {
-  Folder folder;
+  TemporaryFolder folder;
   const Volumes volumes = fan(4);
   const QuadflowCase written = makeQuadflowCase(inputOf(volumes));
   const std::string path = folder / "a.qfmb";
@@ -802,7 +784,7 @@ TEST(Quadflow, ReadsBlanksCommentsAndForeignLineEnds)
 
 TEST(Quadflow, FailuresLeaveTheOldFile)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(8);
   Volumes volumes;
   const std::vector<double> knots = clampedIntegerKnots(40);
@@ -849,7 +831,7 @@ TEST(Quadflow, FailuresLeaveTheOldFile)
   }
 
   EXPECT_THROW(writeQuadflow(all, folder / "no/such/folder.qfmb"), Error);
-  EXPECT_THROW(writeQuadflow(all, folder.path.string()), Error);
+  EXPECT_THROW(writeQuadflow(all, folder.path()), Error);
   EXPECT_THROW(writeQuadflow(all, "/dev/full"), Error);
   QuadflowOptions wrong;
   wrong.indexBase = 2;
@@ -911,7 +893,7 @@ TEST(Quadflow, SameFileFromAnyRanks)
     }
     inputs.front().rules.push_back(rules.back().data());
   }
-  Folder folder;
+  TemporaryFolder folder;
   for (const QuadflowInput& input : inputs)
   {
     for (int variant = 0; variant < 4; ++variant)
@@ -949,7 +931,7 @@ TEST(Quadflow, SameFileFromAnyRanks)
 
 TEST(Quadflow, OnlyFacesTravel)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(23);
   for (const int cells : { 8, 16 })
   {
@@ -966,7 +948,7 @@ TEST(Quadflow, OnlyFacesTravel)
 
 TEST(Quadflow, FailureOfOneRankIsThatOfAll)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(22);
   const Volumes lattice = cutLattice(random, { { { 20, 20 }, { 20, 20 }, { 20 } } });
   const QuadflowInput input = inputOf(lattice);
@@ -1030,7 +1012,7 @@ TEST(Quadflow, FailureOfOneRankIsThatOfAll)
 
   // Rank 2 does not see the folder: its thread has a working folder of its own.
   const fs::path before = fs::current_path();
-  fs::current_path(folder.path);
+  fs::current_path(folder.path());
   const auto blind = onRanks(4, [&](const Execution& run) {
     if (run.ranks->rank() == 2)
     {
@@ -1045,7 +1027,7 @@ TEST(Quadflow, FailureOfOneRankIsThatOfAll)
 
 TEST(Quadflow, KeepsLinksAndPermissions)
 {
-  Folder folder;
+  TemporaryFolder folder;
   const Volumes volumes = fan(3);
   const QuadflowCase all = makeQuadflowCase(inputOf(volumes));
   put(folder / "real.qfmb", "old");
@@ -1060,7 +1042,7 @@ TEST(Quadflow, KeepsLinksAndPermissions)
 
 TEST(Quadflow, Speed)
 {
-  Folder folder;
+  TemporaryFolder folder;
   std::mt19937 random(9);
   Volumes volumes;
   const std::vector<double> knots = clampedIntegerKnots(90);

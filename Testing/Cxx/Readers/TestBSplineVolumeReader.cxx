@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // B-spline volumes from GoTools g2 files and MFEM NURBS meshes: written by the tests, real ones, and damaged ones.
 #include "Data/BSplineVolumeData.h"
+#include "Support/Messages.h"
 #include "Support/VolumeCases.h"
 
 #include "vtkBSplineVolumeReader.h"
@@ -68,18 +69,8 @@ struct Reading
 
   explicit Reading(const std::string& fileName)
   {
-    const auto collect = [](vtkObject*, unsigned long, void* list, void* text) {
-      static_cast<std::vector<std::string>*>(list)->emplace_back(static_cast<const char*>(text));
-    };
-    vtkNew<vtkCallbackCommand> onError;
-    onError->SetCallback(collect);
-    onError->SetClientData(&this->errors);
-    vtkNew<vtkCallbackCommand> onWarning;
-    onWarning->SetCallback(collect);
-    onWarning->SetClientData(&this->warnings);
+    const bsvtest::Messages messages(this->reader, this->errors, this->warnings);
     vtkNew<vtkCallbackCommand> silence;
-    this->reader->AddObserver(vtkCommand::ErrorEvent, onError);
-    this->reader->AddObserver(vtkCommand::WarningEvent, onWarning);
     this->reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
     this->reader->SetFileName(fileName.c_str());
     this->reader->Update();

@@ -3,6 +3,8 @@
 #include "Body/TrimRegion.h"
 #include "Data/NURBSSurfaceData.h"
 #include "Support/BodyCases.h"
+#include "Support/Files.h"
+#include "Support/Messages.h"
 #include "Support/ThreadRanks.h"
 #include "vtkNURBSSurfaceReader.h"
 
@@ -63,38 +65,10 @@
 
 using namespace bodycases;
 using namespace bsv;
+using namespace bsvtest;
 
 namespace
 {
-
-/// A folder for this test alone, removed at its end.
-class Folder
-{
-public:
-  Folder()
-  {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    this->Path = std::filesystem::temp_directory_path() /
-      (std::string("bsv-nurbs-") + test->name() + "-" + std::to_string(std::random_device()()));
-    std::filesystem::create_directories(this->Path);
-  }
-  ~Folder() { std::filesystem::remove_all(this->Path); }
-  std::string operator/(const std::string& name) const { return (this->Path / name).string(); }
-
-private:
-  std::filesystem::path Path;
-};
-
-void writeText(const std::string& fileName, const std::string& text)
-{
-  std::ofstream(fileName, std::ios::binary) << text;
-}
-
-std::string readText(const std::string& fileName)
-{
-  std::ifstream stream(fileName, std::ios::binary);
-  return { std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
-}
 
 struct Reading
 {
@@ -107,18 +81,8 @@ struct Reading
 
   void read(const std::string& fileName)
   {
-    const auto collect = [](vtkObject*, unsigned long, void* list, void* text) {
-      static_cast<std::vector<std::string>*>(list)->emplace_back(static_cast<const char*>(text));
-    };
-    vtkNew<vtkCallbackCommand> onError;
-    onError->SetCallback(collect);
-    onError->SetClientData(&this->errors);
-    vtkNew<vtkCallbackCommand> onWarning;
-    onWarning->SetCallback(collect);
-    onWarning->SetClientData(&this->warnings);
+    const bsvtest::Messages messages(this->reader, this->errors, this->warnings);
     vtkNew<vtkCallbackCommand> silence;
-    this->reader->AddObserver(vtkCommand::ErrorEvent, onError);
-    this->reader->AddObserver(vtkCommand::WarningEvent, onWarning);
     this->reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
     this->reader->SetFileName(fileName.c_str());
     testing::internal::CaptureStdout();
@@ -126,8 +90,6 @@ struct Reading
     this->reader->Update();
     this->printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
     this->output = vtkPartitionedDataSetCollection::SafeDownCast(this->reader->GetOutputDataObject(0));
-    this->reader->RemoveObserver(onError);
-    this->reader->RemoveObserver(onWarning);
     EXPECT_EQ(this->printed, "");
   }
 
@@ -235,7 +197,7 @@ void checkTessellation(const Reading& reading)
 
 TEST(NURBSSurfaceReader, G2KeepsEveryBit)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   NURBSSurface plain = bumpy(1, { 3, 2 }, { 4, 3 }, 0.3, false);
   NURBSSurface rational = bumpy(2, { 4, 3 }, { 2, 3 }, 0.3, true);
   for (double& weight : rational.weights)
@@ -243,7 +205,7 @@ TEST(NURBSSurfaceReader, G2KeepsEveryBit)
     // Powers of two: the format stores points times weights, which then is exact.
     weight = weight > 1.0 ? 2.0 : 0.5;
   }
-  writeText(folder / "body.g2", g2(plain) + "\n" + g2(rational));
+  writeFile(folder / "body.g2", g2(plain) + "\n" + g2(rational));
   Reading reading;
   reading.read(folder / "body.g2");
   ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
@@ -349,9 +311,9 @@ TEST(NURBSSurfaceReader, PatchesSurviveTheirDataObjects)
 
 TEST(NURBSSurfaceReader, UnitsAreScaledOnDemand)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   const NURBSSurface plain = bumpy(1, { 3, 2 }, { 4, 3 }, 0.3, false);
-  writeText(folder / "body.g2", g2(plain));
+  writeFile(folder / "body.g2", g2(plain));
   Reading reading;
   reading.reader->SetLengthUnit(vtkNURBSSurfaceReader::METRE);
   reading.reader->SetFileUnit(vtkNURBSSurfaceReader::MILLIMETRE);
@@ -372,10 +334,10 @@ TEST(NURBSSurfaceReader, UnitsAreScaledOnDemand)
 
 TEST(NURBSSurfaceReader, WrongG2FilesAreRefusedWithTheirLine)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string good = g2(bumpy(3, { 2, 2 }, { 2, 2 }, 0.3, true));
   const auto broken = [&](const std::string& text, const std::string& part) {
-    writeText(folder / "bad.g2", text);
+    writeFile(folder / "bad.g2", text);
     const std::string error = refused(folder / "bad.g2");
     EXPECT_NE(error.find(part), std::string::npos) << error;
   };
@@ -404,14 +366,14 @@ TEST(NURBSSurfaceReader, WrongG2FilesAreRefusedWithTheirLine)
   // Cut anywhere, as long as a number is missing; the first cards alone are another format, or none.
   for (std::size_t size = 12; size + 30 < good.size(); size += 37)
   {
-    writeText(folder / "cut.g2", good.substr(0, size));
+    writeFile(folder / "cut.g2", good.substr(0, size));
     refused(folder / "cut.g2");
   }
   refused(folder / "missing.g2");
   // A curve is no surface, but no error beside one.
   const std::string curve = "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0 0\n1 1 1\n";
   broken(curve, "holds no surface; it holds: 1 spline curve");
-  writeText(folder / "both.g2", curve + good);
+  writeFile(folder / "both.g2", curve + good);
   Reading both;
   both.read(folder / "both.g2");
   EXPECT_TRUE(both.errors.empty());
@@ -442,8 +404,8 @@ TEST(NURBSSurfaceReader, SharedG2Files)
 
 TEST(NURBSSurfaceReader, CADFilesNeedOpenCASCADE)
 {
-  const Folder folder;
-  writeText(folder / "a.step", "ISO-10303-21;\nEND-ISO-10303-21;\n");
+  const TemporaryFolder folder;
+  writeFile(folder / "a.step", "ISO-10303-21;\nEND-ISO-10303-21;\n");
   EXPECT_NE(refused(folder / "a.step").find("OpenCASCADE"), std::string::npos);
   EXPECT_EQ(vtkNURBSSurfaceReader::CanReadFile((folder / "a.step").c_str()), 0);
 }
@@ -669,7 +631,7 @@ void compareClosestPoints(const std::vector<BodyPatch>& patches, const TopoDS_Sh
 
 TEST(NURBSSurfaceReader, PrimitivesBecomeNURBSExactly)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   const TopoDS_Shape shape = primitives();
   for (const char* name : { "all.brep", "all.step", "all.igs" })
   {
@@ -704,7 +666,7 @@ TEST(NURBSSurfaceReader, PrimitivesBecomeNURBSExactly)
 
 TEST(NURBSSurfaceReader, SplinesKeepEveryBit)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   NURBSSurface surface = bumpy(5, { 3, 4 }, { 4, 3 }, 0.4, true);
   // A knot of multiplicity degree must not split the surface.
   NURBSSurface kinked = bumpy(6, { 2, 3 }, { 4, 3 }, 0.4, false);
@@ -739,7 +701,7 @@ TEST(NURBSSurfaceReader, SplinesKeepEveryBit)
 
 TEST(NURBSSurfaceReader, WhatIsNoSurfaceIsCounted)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   BRep_Builder builder;
   TopoDS_Compound mixed;
   builder.MakeCompound(mixed);
@@ -770,25 +732,25 @@ TEST(NURBSSurfaceReader, WhatIsNoSurfaceIsCounted)
 
 TEST(NURBSSurfaceReader, TruncatedCADFilesAreRefused)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   const TopoDS_Shape shape = primitives();
   for (const std::string name : { "all.brep", "all.step", "all.igs" })
   {
     SCOPED_TRACE(name);
     writeShape(shape, folder / name);
-    const std::string text = readText(folder / name);
+    const std::string text = readFile(folder / name);
     for (int n = 1; n < 20; ++n)
     {
       const std::string cut = folder / ("cut" + std::to_string(n) + name);
-      writeText(cut, text.substr(0, text.size() * n / 20));
+      writeFile(cut, text.substr(0, text.size() * n / 20));
       refused(cut);
     }
     // The last line alone is missing.
     const std::string cut = folder / ("last" + name);
-    writeText(cut, text.substr(0, text.find_last_not_of("\n\r ", text.size() - 1) - 3));
+    writeFile(cut, text.substr(0, text.find_last_not_of("\n\r ", text.size() - 1) - 3));
     refused(cut);
     // The middle is missing, or another file's.
-    writeText(cut, text.substr(0, text.size() / 3) + text.substr(text.size() / 2));
+    writeFile(cut, text.substr(0, text.size() / 3) + text.substr(text.size() / 2));
     Reading reading;
     reading.read(cut);
     EXPECT_EQ(reading.errors.size(), 1u);
@@ -798,9 +760,9 @@ TEST(NURBSSurfaceReader, TruncatedCADFilesAreRefused)
 
 TEST(NURBSSurfaceReader, DamagedEntitiesAreRefused)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   writeShape(primitives(), folder / "all.step");
-  const std::string text = readText(folder / "all.step");
+  const std::string text = readFile(folder / "all.step");
   Reading whole;
   whole.read(folder / "all.step");
   const std::vector<BodyPatch> patches = whole.patches();
@@ -811,7 +773,7 @@ TEST(NURBSSurfaceReader, DamagedEntitiesAreRefused)
     std::size_t at = text.find("CARTESIAN_POINT(");
     for (int n = 0; n < 12 && at != std::string::npos; ++n)
     {
-      writeText(folder / "bad.step", std::string(text).replace(at, 15, other));
+      writeFile(folder / "bad.step", std::string(text).replace(at, 15, other));
       Reading reading;
       reading.read(folder / "bad.step");
       refusals += !reading.errors.empty();
@@ -832,15 +794,15 @@ TEST(NURBSSurfaceReader, DamagedEntitiesAreRefused)
   EXPECT_GE(refusals, 20);
   // The bounds of a face.
   const std::size_t reference = text.find("(#", text.find("ADVANCED_FACE("));
-  writeText(folder / "bad.step", std::string(text).replace(reference + 2, 1, "99999"));
+  writeFile(folder / "bad.step", std::string(text).replace(reference + 2, 1, "99999"));
   EXPECT_NE(refused(folder / "bad.step").find("is used but nowhere defined"), std::string::npos);
 }
 
 TEST(NURBSSurfaceReader, WhatNoFaceDependsOnNeverRefusesSTEP)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   writeShape(primitives(), folder / "all.step");
-  const std::string text = readText(folder / "all.step");
+  const std::string text = readFile(folder / "all.step");
   Reading whole;
   whole.read(folder / "all.step");
   const std::string end = "ENDSEC;\nEND-ISO-10303-21;";
@@ -860,7 +822,7 @@ TEST(NURBSSurfaceReader, WhatNoFaceDependsOnNeverRefusesSTEP)
          Kind{ "#9001=SURFACE_STYLE_USAGE(.BOTH.,#9999);", "SURFACE_STYLE_USAGE" },
        })
   {
-    writeText(folder / "more.step", std::string(text).replace(text.find(end), 0, std::string(kind.entities) + "\n"));
+    writeFile(folder / "more.step", std::string(text).replace(text.find(end), 0, std::string(kind.entities) + "\n"));
     Reading reading;
     reading.read(folder / "more.step");
     EXPECT_TRUE(reading.errors.empty()) << kind.entities << reading.errors[0];
@@ -936,10 +898,10 @@ std::string plate(const std::string& knots, double height, const std::string& do
 
 TEST(NURBSSurfaceReader, HabitsOfIGES)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string knots = "0.,0.,1.,1.";
   // Hidden surfaces are left out and counted.
-  writeText(folder / "a.igs", igesFile({ { 128, plate(knots, 0.0) }, { 128, plate(knots, 1.0), true } }));
+  writeFile(folder / "a.igs", igesFile({ { 128, plate(knots, 0.0) }, { 128, plate(knots, 1.0), true } }));
   Reading hidden;
   hidden.read(folder / "a.igs");
   ASSERT_TRUE(hidden.errors.empty()) << hidden.errors[0];
@@ -947,10 +909,10 @@ TEST(NURBSSurfaceReader, HabitsOfIGES)
   EXPECT_NE(std::string(hidden.reader->GetNotRead()).find("1 hidden"), std::string::npos)
     << hidden.reader->GetNotRead();
   // All of them: nothing is left, and the error says why.
-  writeText(folder / "b.igs", igesFile({ { 128, plate(knots, 0.0), true } }));
+  writeFile(folder / "b.igs", igesFile({ { 128, plate(knots, 0.0), true } }));
   EXPECT_NE(refused(folder / "b.igs").find("1 hidden"), std::string::npos);
   // Knots say the domain as well.
-  writeText(folder / "c.igs", igesFile({ { 128, plate(knots, 0.0, "") } }));
+  writeFile(folder / "c.igs", igesFile({ { 128, plate(knots, 0.0, "") } }));
   Reading domain;
   domain.read(folder / "c.igs");
   ASSERT_TRUE(domain.errors.empty()) << domain.errors[0];
@@ -958,14 +920,14 @@ TEST(NURBSSurfaceReader, HabitsOfIGES)
   EXPECT_EQ(domain.patches()[0].surface.last(0), 1.0);
   checkTessellation(domain);
   // They must not decrease.
-  writeText(folder / "d.igs", igesFile({ { 128, plate("0.,0.5,0.25,1.", 0.0) } }));
+  writeFile(folder / "d.igs", igesFile({ { 128, plate("0.,0.5,0.25,1.", 0.0) } }));
   const std::string error = refused(folder / "d.igs");
   EXPECT_NE(error.find("surface D1: the knots of u decrease"), std::string::npos) << error;
   // Colours and notes that are wrong do not matter.
   for (const IGESEntity& other : { IGESEntity{ 314, "314,10.0;" }, IGESEntity{ 212, "212,1,5,x,1.0;" },
          IGESEntity{ 406, "406,2,x;" }, IGESEntity{ 410, "410,1;" } })
   {
-    writeText(folder / "e.igs", igesFile({ { 128, plate(knots, 0.0) }, other }));
+    writeFile(folder / "e.igs", igesFile({ { 128, plate(knots, 0.0) }, other }));
     Reading reading;
     reading.read(folder / "e.igs");
     EXPECT_TRUE(reading.errors.empty()) << other.type << reading.errors[0];

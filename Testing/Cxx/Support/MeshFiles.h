@@ -3,7 +3,9 @@
 /// Writes mesh cases as PLOT3D, neutral map and CGNS files, and reads files with vtkHexBlockMeshReader, for tests.
 #pragma once
 
+#include "Support/Files.h"
 #include "Support/MeshCases.h"
+#include "Support/Messages.h"
 
 #include "vtkHexBlockMeshReader.h"
 
@@ -36,36 +38,9 @@ namespace meshfiles
 using bsv::Ijk;
 using meshcases::MeshCase;
 
-/// A folder for this test alone, removed at its end.
-class TemporaryFolder
-{
-public:
-  TemporaryFolder()
-  {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    this->Path = std::filesystem::temp_directory_path() /
-      (std::string("bsv-") + test->test_suite_name() + "-" + test->name() + "-" +
-        std::to_string(std::random_device()()));
-    std::filesystem::create_directories(this->Path);
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(this->Path); }
-
-  std::string operator/(const std::string& name) const { return (this->Path / name).string(); }
-
-private:
-  std::filesystem::path Path;
-};
-
-inline void writeFile(const std::string& fileName, const std::string& content)
-{
-  std::ofstream(fileName, std::ios::binary) << content;
-}
-
-inline std::string readFile(const std::string& fileName)
-{
-  std::ifstream stream(fileName, std::ios::binary);
-  return { std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
-}
+using bsvtest::readFile;
+using bsvtest::TemporaryFolder;
+using bsvtest::writeFile;
 
 //----------------------------------------------------------------------------------------------------------------------
 // PLOT3D
@@ -421,26 +396,15 @@ struct Reading
   std::vector<std::string> warnings;
 };
 
-inline void collect(vtkObject*, unsigned long event, void* reading, void* text)
-{
-  auto* texts = static_cast<Reading*>(reading);
-  (event == vtkCommand::ErrorEvent ? texts->errors : texts->warnings).emplace_back(static_cast<const char*>(text));
-}
-
 /// Reads with the properties set so far.
 inline void update(Reading& reading)
 {
-  vtkNew<vtkCallbackCommand> observer;
-  observer->SetCallback(collect);
-  observer->SetClientData(&reading);
-  reading.reader->AddObserver(vtkCommand::ErrorEvent, observer);
-  reading.reader->AddObserver(vtkCommand::WarningEvent, observer);
+  const bsvtest::Messages messages(reading.reader, reading.errors, reading.warnings);
   // The pipeline tells once more that the reader failed.
   vtkNew<vtkCallbackCommand> silence;
   reading.reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
   reading.reader->Update();
   reading.output = vtkPartitionedDataSetCollection::SafeDownCast(reading.reader->GetOutputDataObject(0));
-  reading.reader->RemoveObserver(observer);
 }
 
 inline void read(Reading& reading, const std::string& fileName)

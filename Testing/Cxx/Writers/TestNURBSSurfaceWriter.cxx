@@ -4,6 +4,8 @@
 #include "Data/BSplineVolumeData.h"
 #include "Data/HexBlockData.h"
 #include "Data/NURBSSurfaceData.h"
+#include "Support/Files.h"
+#include "Support/Messages.h"
 #include "Support/VolumeCases.h"
 #include "vtkNURBSSurfaceReader.h"
 #include "vtkNURBSSurfaceWriter.h"
@@ -49,32 +51,11 @@
 
 using namespace bsv;
 using bsvtest::Block;
+using bsvtest::readFile;
+using bsvtest::TemporaryFolder;
 
 namespace
 {
-
-class Folder
-{
-public:
-  Folder()
-  {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    this->Path = std::filesystem::temp_directory_path() /
-      (std::string("bsv-wall-") + test->name() + "-" + std::to_string(std::random_device()()));
-    std::filesystem::create_directories(this->Path);
-  }
-  ~Folder() { std::filesystem::remove_all(this->Path); }
-  std::string operator/(const std::string& name) const { return (this->Path / name).string(); }
-
-private:
-  std::filesystem::path Path;
-};
-
-std::string readText(const std::string& fileName)
-{
-  std::ifstream stream(fileName, std::ios::binary);
-  return { std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>() };
-}
 
 /// What a writer says.
 struct Writing
@@ -86,23 +67,11 @@ struct Writing
 
   Writing(vtkDataObject* input, const std::string& fileName, int unit = 0)
   {
-    const auto collect = [](vtkObject*, unsigned long, void* list, void* text) {
-      static_cast<std::vector<std::string>*>(list)->emplace_back(static_cast<const char*>(text));
-    };
-    vtkNew<vtkCallbackCommand> onError;
-    onError->SetCallback(collect);
-    onError->SetClientData(&this->errors);
-    vtkNew<vtkCallbackCommand> onWarning;
-    onWarning->SetCallback(collect);
-    onWarning->SetClientData(&this->warnings);
-    this->writer->AddObserver(vtkCommand::ErrorEvent, onError);
-    this->writer->AddObserver(vtkCommand::WarningEvent, onWarning);
+    const bsvtest::Messages messages(this->writer, this->errors, this->warnings);
     this->writer->SetInputDataObject(input);
     this->writer->SetFileName(fileName.c_str());
     this->writer->SetLengthUnit(unit);
     this->result = this->writer->Write();
-    this->writer->RemoveObserver(onError);
-    this->writer->RemoveObserver(onWarning);
   }
 };
 
@@ -306,14 +275,14 @@ std::vector<BodyPatch> patchesOf(const std::string& fileName, std::string* unit 
 
 TEST(NURBSSurfaceWriter, ChoosesTheWall)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   std::mt19937 random(1);
   const Shell shell(random, false);
   const auto data = volumeData(shell.blocks, [&](int b, int f) { return shell.name(b, f); });
   Writing good(data, folder / "a.g2");
   EXPECT_EQ(good.result, 1);
   EXPECT_TRUE(good.errors.empty());
-  const std::string text = readText(folder / "a.g2");
+  const std::string text = readFile(folder / "a.g2");
   std::size_t surfaces = 0;
   for (std::size_t at = text.find("200 1 0 0"); at != std::string::npos; at = text.find("200 1 0 0", at + 1))
   {
@@ -336,7 +305,7 @@ TEST(NURBSSurfaceWriter, ChoosesTheWall)
 
 TEST(NURBSSurfaceWriter, CADFilesNeedOpenCASCADE)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   std::mt19937 random(1);
   const Shell shell(random, false);
   const auto data = volumeData(shell.blocks, [&](int b, int f) { return shell.name(b, f); });
@@ -350,7 +319,7 @@ TEST(NURBSSurfaceWriter, CADFilesNeedOpenCASCADE)
 TEST(NURBSSurfaceWriter, ClosedWallOfAVolume)
 {
   // All orientations of blocks: sewn is the same closed surface, and evaluation gives the points of the volume.
-  const Folder folder;
+  const TemporaryFolder folder;
   std::mt19937 random(7);
   for (int trial = 0; trial < 6; ++trial)
   {
@@ -405,7 +374,7 @@ TEST(NURBSSurfaceWriter, ClosedWallOfAVolume)
 TEST(NURBSSurfaceWriter, BlockThatMeetsItself)
 {
   // One block around the z axis, closed in u: the wall has a seam, and its two rims are free.
-  const Folder folder;
+  const TemporaryFolder folder;
   Block block;
   block.volume.knots = { clampedIntegerKnots(5), clampedIntegerKnots(2), clampedIntegerKnots(2) };
   const int n = block.counts()[0] - 1;
@@ -432,7 +401,7 @@ TEST(NURBSSurfaceWriter, BothSidesOfAThinPlate)
 {
   // Two layers of three blocks; between the middle ones is a plate without thickness. Its sides have the same points,
   // but are sewn only where one meets the other around the volume.
-  const Folder folder;
+  const TemporaryFolder folder;
   std::vector<Block> blocks;
   for (int layer = 0; layer < 2; ++layer)
   {
@@ -487,7 +456,7 @@ TEST(NURBSSurfaceWriter, BothSidesOfAThinPlate)
 
 TEST(NURBSSurfaceWriter, NamesUnitsAndDates)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   std::mt19937 random(3);
   const Shell shell(random, false);
   const std::vector<std::string> names{ "wall fl\xc3\xbcgel", "wall 'a' \\ \"b\"",
@@ -521,11 +490,11 @@ TEST(NURBSSurfaceWriter, NamesUnitsAndDates)
 
     // Nothing but the time of the environment is in the file.
     Writing first(data, folder / name);
-    const std::string text = readText(folder / name);
+    const std::string text = readFile(folder / name);
     setenv("SOURCE_DATE_EPOCH", "86400", 1);
     Writing later(data, folder / name);
     unsetenv("SOURCE_DATE_EPOCH");
-    std::string dated = readText(folder / name);
+    std::string dated = readFile(folder / name);
     EXPECT_NE(text, dated);
     const bool step = std::string(name) == "a.step";
     const std::string day = step ? "1970-01-02" : "19700102";
@@ -540,7 +509,7 @@ TEST(NURBSSurfaceWriter, NamesUnitsAndDates)
 TEST(NURBSSurfaceWriter, BodyOfPatches)
 {
   // Half of a body, with a pole: sewn but for its border on the symmetry plane, and the same bits again.
-  const Folder folder;
+  const TemporaryFolder folder;
   vtkNew<vtkWingFuselageSource> source;
   source->SetResolution(3);
   source->Update();
