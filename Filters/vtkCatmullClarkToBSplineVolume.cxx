@@ -897,10 +897,14 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       });
       // The wall may fold over its layers if it is followed exactly: shares of the displacements are lowered above
       // failing spans until these are valid. What exact joins change comes after that.
-      const auto convert = [&](bool repair, bsv::Continuity continuity) {
-        options.repairSpans = repair;
-        options.continuity = continuity;
-        result.counts = bsv::convertToBSplineVolume(complex, options, storage, part(0.55, 1.0), &rules);
+      const auto convert = [&](bool repair, bool singleKnots) {
+        bsv::ConversionOptions chosen = options;
+        chosen.repairSpans = repair;
+        if (singleKnots)
+        {
+          chosen.setSingleKnots();
+        }
+        result.counts = bsv::convertToBSplineVolume(complex, chosen, storage, part(0.55, 1.0), &rules);
       };
       const bsv::BlockComplex unfitted = complex;
       const auto fitted = [&] {
@@ -911,13 +915,12 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         }
       };
       fitted();
-      const bsv::Continuity continuity = options.continuity;
       const bool rounds = result.wallPoints.onBody && this->RepairSpans && this->CheckSpans != CHECK_NONE;
       const auto& left = result.counts.spans.left;
       if (rounds)
       {
         constexpr int MaxRounds = 30;
-        convert(false, bsv::Continuity::SingleKnots);
+        convert(false, true);
         for (int round = 0; round <= MaxRounds && !left.empty(); ++round)
         {
           if (!bsv::lowerShares(
@@ -926,12 +929,12 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
             break;
           }
           fitted();
-          convert(false, bsv::Continuity::SingleKnots);
+          convert(false, true);
         }
       }
-      if (!rounds || !left.empty() || continuity != bsv::Continuity::SingleKnots)
+      if (!rounds || !left.empty() || options.continuity != bsv::Continuity::SingleKnots)
       {
-        convert(this->RepairSpans, continuity);
+        convert(this->RepairSpans, false);
       }
       result.motion = bsv::wallMotion(unfitted, complex, options, rules, part(1.0, 1.0));
     };

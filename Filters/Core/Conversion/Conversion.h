@@ -98,6 +98,12 @@ struct ConversionOptions
   double planarTolerance = 1e-6;
   Twist twist = Twist::SecondFundamentalForm;
   Continuity continuity = Continuity::SingleKnots;
+  /// Changes to single knots; PCCM, which needs double ones, gives way to SecondFundamentalForm.
+  void setSingleKnots()
+  {
+    this->continuity = Continuity::SingleKnots;
+    this->twist = this->twist == Twist::PCCM ? Twist::SecondFundamentalForm : this->twist;
+  }
   /// c of (5.44), p_1/3 = c p_0 + (1 - c) p_1 across the wall; range (0, 1). Larger moves the layer to the wall.
   double wallSpacing = KnotInsertion;
   /// Take c = (2 + ln g) / (3 + ln g) instead, g = |p_2 - p_1| / |p_1 - p_0| the growth of the layers at each wall

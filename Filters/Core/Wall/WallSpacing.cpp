@@ -101,8 +101,7 @@ public:
     }
     this->findShared();
     this->Conversion.wallOnly = true;
-    this->Conversion.continuity = Continuity::SingleKnots;
-    this->Conversion.twist = conversion.twist == Twist::PCCM ? Twist::SecondFundamentalForm : conversion.twist;
+    this->Conversion.setSingleKnots();
     this->Conversion.wallSpacingPoints.clear();
     for (const std::vector<double>& points : result.spacingPoints)
     {
