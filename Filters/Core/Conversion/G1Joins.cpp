@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/G1Joins.h"
 
+#include "Base/SortedSum.h"
 #include "Body/ClosestPoint.h"
 #include "Conversion/DoubleKnots.h"
 #include "Conversion/FarField.h"
@@ -13,7 +14,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
+#include <tuple>
 
 namespace bsv
 {
@@ -110,6 +111,7 @@ public:
       }
     });
     this->gatherLayers();
+    ranks.together([&] { this->decideLayers(); });
     std::vector<std::vector<std::vector<Vec3>>> joined(this->Fans.size());
     ranks.together([&] {
       this->shiftForGroups();
@@ -312,30 +314,52 @@ private:
     this->Fans.push_back(std::move(fan));
   }
 
-  /// The fan of the next edge that continues a fan at one of its ends, or -1.
-  int nextFan(const NetFan& fan, bool lastLayer) const
+  /// An end of a fan.
+  struct FanEnd
   {
-    const NetSector& sector = fan.sectors.front();
-    const FaceContact contact = contactOf(this->Complex, sector.block, this->endFace(sector, lastLayer));
+    int fan;
+    bool lastLayer;
+  };
+
+  /// The end at which the fan of the next edge continues one, with the blocks across the ends of all its sectors.
+  std::optional<FanEnd> nextEnd(const NetFan& fan, bool lastLayer) const
+  {
+    const auto acrossOf = [&](const NetSector& sector) {
+      return contactOf(this->Complex, sector.block, this->endFace(sector, lastLayer));
+    };
+    const FaceContact contact = acrossOf(fan.sectors.front());
     if (contact.block < 0)
     {
-      return -1;
+      return {};
     }
     const int vertex = this->vertexOf(fan, lastLayer);
     const ComplexBlock& above = this->Complex.blocks[contact.block];
     for (int e = 0; e < 12; ++e)
     {
       // The edge that rises from the contact at the vertex.
-      if (edgeDirection(e) == faceDirection(contact.face))
+      if (edgeDirection(e) != faceDirection(contact.face) ||
+        above.vertices[edgeCorner(e, faceSide(contact.face))] != vertex || this->FanOfEdge[above.edges[e]] < 0)
       {
-        const int end = faceSide(contact.face);
-        if (above.vertices[edgeCorner(e, end)] == vertex && this->FanOfEdge[above.edges[e]] >= 0)
+        continue;
+      }
+      const int f = this->FanOfEdge[above.edges[e]];
+      const NetFan& next = this->Fans[f];
+      for (const bool last : { false, true })
+      {
+        const auto continues = [&](const NetSector& sector) {
+          const FaceContact across = acrossOf(sector);
+          return std::any_of(next.sectors.begin(), next.sectors.end(), [&](const NetSector& other) {
+            return other.block == across.block && this->endFace(other, last) == across.face;
+          });
+        };
+        if (next.shape.closed == fan.shape.closed && next.sectors.size() == fan.sectors.size() &&
+          std::all_of(fan.sectors.begin(), fan.sectors.end(), continues))
         {
-          return this->FanOfEdge[above.edges[e]];
+          return FanEnd{ f, last };
         }
       }
     }
-    return -1;
+    return {};
   }
   int vertexOf(const NetFan& fan, bool lastLayer) const
   {
@@ -351,7 +375,7 @@ private:
     {
       const ComplexVertex& vertex = this->Complex.vertices[this->vertexOf(fan, lastLayer)];
       int& skipped = fan.skipped[lastLayer ? 1 : 0];
-      if (vertex.corners.size() == 2 * n && this->nextFan(fan, lastLayer) >= 0)
+      if (vertex.corners.size() == 2 * n && this->nextEnd(fan, lastLayer))
       {
         continue;
       }
@@ -579,7 +603,35 @@ private:
     return Vec3(this->Layers[f][sector].data() + LayerSize * layer + 1 + 3 * (i + (Reach + 1) * j));
   }
 
-  bool isJoined(int f, int layer) const
+  bool isJoined(int f, int layer) const { return this->Joined[f][layer]; }
+
+  /// Which layers are joined: one that ends at the next fan is a layer of that, too, and both must agree.
+  void decideLayers()
+  {
+    for (std::size_t f = 0; f < this->Fans.size(); ++f)
+    {
+      this->Joined.emplace_back();
+      for (int layer = 0; layer < this->Fans[f].layers; ++layer)
+      {
+        this->Joined[f].push_back(this->canJoin(static_cast<int>(f), layer));
+      }
+    }
+    for (std::size_t f = 0; f < this->Fans.size(); ++f)
+    {
+      const NetFan& fan = this->Fans[f];
+      for (const bool lastLayer : { false, true })
+      {
+        const std::optional<FanEnd> next = fan.edge >= 0 ? this->nextEnd(fan, lastLayer) : std::nullopt;
+        const int layer = lastLayer ? fan.layers - 1 : 0;
+        if (next && !this->canJoin(next->fan, next->lastLayer ? this->Fans[next->fan].layers - 1 : 0))
+        {
+          this->Joined[f][layer] = false;
+        }
+      }
+    }
+  }
+
+  bool canJoin(int f, int layer) const
   {
     const NetFan& fan = this->Fans[f];
     if (layer < fan.skipped[0] || layer >= fan.layers - fan.skipped[1] || this->isGivenUp(f, layer))
@@ -608,12 +660,14 @@ private:
     const auto shifts = this->GroupShifts.find(f);
     if (shifts != this->GroupShifts.end())
     {
-      for (const Shift& shift : shifts->second)
+      for (std::size_t a = 0; a < net.size(); ++a)
       {
-        for (std::size_t a = 0; a < net.size() && shift.weights[layer] > 0.0; ++a)
+        std::vector<Vec3> changes;
+        for (const Shift& shift : shifts->second)
         {
-          net[a] += shift.weights[layer] * shift.net[a];
+          changes.push_back(shift.weights[layer] * shift.net[a]);
         }
+        net[a] += sortedSum(changes);
       }
     }
     return net;
@@ -736,9 +790,9 @@ private:
   }
 
   /// The rule of a control point that was changed.
-  void mark(int block, const Ijk& position) const
+  void mark(int block, Index place) const
   {
-    std::uint8_t& rule = this->Nets[block].rules[this->index(block, position)];
+    std::uint8_t& rule = this->Nets[block].rules[place];
     if (rule == static_cast<std::uint8_t>(ControlPointRule::Copied) ||
       rule == static_cast<std::uint8_t>(ControlPointRule::Regular))
     {
@@ -757,7 +811,7 @@ private:
       if (to != net[a])
       {
         to = net[a];
-        this->mark(block, position);
+        this->mark(block, this->index(block, position));
       }
     });
   }
@@ -809,7 +863,7 @@ private:
       const bool toLast = !fromLast;
       shifts.push_back(current);
       const ComplexVertex& top = this->Complex.vertices[this->vertexOf(fan, toLast)];
-      const int next = this->nextFan(fan, toLast);
+      const std::optional<FanEnd> next = this->nextEnd(fan, toLast);
       if (distance >= range)
       {
         cut = range;
@@ -819,7 +873,7 @@ private:
         const int layer = std::max(0, std::min(fan.layers - 1, toLast ? fan.layers - left : left - 1));
         cut = distances.back()[layer];
       }
-      else if (next < 0 || top.boundary || shifts.size() > this->Complex.edges.size())
+      else if (!next || top.boundary || shifts.size() > this->Complex.edges.size())
       {
         // A thin stack moves with the wall; what must stay where it is does not.
         bool stays = left > 0;
@@ -833,7 +887,8 @@ private:
       }
       else
       {
-        current = this->continued(current, toLast, next, fromLast);
+        current = this->continued(current, toLast, *next);
+        fromLast = next->lastLayer;
       }
     }
     for (std::size_t i = 0; i < shifts.size(); ++i)
@@ -846,31 +901,26 @@ private:
     return shifts;
   }
 
-  /// The same shift in the order of the next fan; sets whether that starts at its last layer.
-  Shift continued(const Shift& shift, bool toLast, int next, bool& fromLast) const
+  /// The same shift in the order of the next fan.
+  Shift continued(const Shift& shift, bool toLast, const FanEnd& next) const
   {
     const NetFan& fan = this->Fans[shift.fan];
-    const NetFan& above = this->Fans[next];
+    const NetFan& above = this->Fans[next.fan];
     const int n = static_cast<int>(fan.sectors.size());
-    const auto acrossOf = [&](int k) {
+    const auto placeOf = [&](int k) {
       const NetSector& sector = fan.sectors[k];
-      return contactOf(this->Complex, sector.block, this->endFace(sector, toLast));
+      const FaceContact contact = contactOf(this->Complex, sector.block, this->endFace(sector, toLast));
+      return static_cast<int>(std::find_if(above.sectors.begin(), above.sectors.end(),
+                                [&](const NetSector& other) {
+                                  return other.block == contact.block &&
+                                    this->endFace(other, next.lastLayer) == contact.face;
+                                }) -
+        above.sectors.begin());
     };
-    const auto find = [&](const FaceContact& contact, bool last) {
-      for (int k = 0; k < n; ++k)
-      {
-        if (above.sectors[k].block == contact.block && this->endFace(above.sectors[k], last) == contact.face)
-        {
-          return k;
-        }
-      }
-      return -1;
-    };
-    fromLast = find(acrossOf(0), false) < 0;
-    const int zero = find(acrossOf(0), fromLast), one = find(acrossOf(1), fromLast);
+    const int zero = placeOf(0), one = placeOf(1);
     const bool same = one == zero + 1 || (fan.shape.closed && one == (zero + 1) % n);
     Shift result = shift;
-    result.fan = next;
+    result.fan = next.fan;
     result.shape.kinds = above.shape.kinds;
     for (int k = 0; k < n; ++k)
     {
@@ -984,7 +1034,6 @@ private:
       const int n = shape.spokes();
       const int before = (k + shape.sectors - 1) % shape.sectors;
       const int length = lengthOf(fan, k);
-      const int last = this->isJoinedBeyond(fan, k) ? length - 5 : length - 3;
       const double wl = 1.0 / shape.delta((k + n - 1) % n), wr = 1.0 / shape.delta((k + 1) % n);
       const auto listed = [&](int sector, int layer, bool second, int across, int at) {
         const int lengths[2] = { lengthOf(fan, sector), lengthOf(fan, (sector + 1) % n) };
@@ -994,7 +1043,8 @@ private:
       };
       for (int layer = 0; layer < fan.layers; ++layer)
       {
-        for (int i = 4; i <= last && this->isJoined(f, layer); ++i)
+        const int last = !this->isJoined(f, layer) ? 0 : this->isJoinedBeyond(fan, k, layer) ? length - 5 : length - 3;
+        for (int i = 4; i <= last; ++i)
         {
           const Vec3 c = listed(k % shape.sectors, layer, k == shape.sectors, 0, i);
           const Vec3 l = listed(before, layer, true, 1, i), r = listed(k, layer, false, 1, i);
@@ -1003,7 +1053,7 @@ private:
             if (this->isHere(sector.block))
             {
               this->point(sector.block, position) = x;
-              this->mark(sector.block, position);
+              this->mark(sector.block, this->index(sector.block, position));
             }
           };
           put(fan.sectors[before], this->place(fan.sectors[before], layer, 1, i), l - defect / (2.0 * wl));
@@ -1013,18 +1063,28 @@ private:
     }
   }
 
-  /// Whether the edge at the other end of a spoke's face is joined, too.
-  bool isJoinedBeyond(const NetFan& fan, int k) const
+  /// Whether a layer is joined at the other end of a spoke, too.
+  bool isJoinedBeyond(const NetFan& fan, int k, int layer) const
   {
     const bool end = k == static_cast<int>(fan.sectors.size());
     const NetSector& sector = fan.sectors[end ? k - 1 : k];
+    if (layer == 0 || layer == fan.layers - 1)
+    {
+      const bool lastLayer = layer > 0;
+      const ComplexEdge& edge = this->Complex.edges[this->edgeOfSpoke(fan, k, lastLayer)];
+      const int vertex = this->vertexOf(fan, lastLayer);
+      for (const WallVertex& other : this->WallVertices)
+      {
+        const int v = this->vertexOf(this->Fans[other.fan], other.lastLayer);
+        if (v != vertex && (v == edge.vertices[0] || v == edge.vertices[1]))
+        {
+          return true;
+        }
+      }
+    }
     if (fan.edge < 0)
     {
-      const ComplexEdge& edge = this->Complex.edges[this->edgeOfSpoke(fan, k, false)];
-      return std::any_of(this->WallVertices.begin(), this->WallVertices.end(), [&](const WallVertex& other) {
-        const int v = this->vertexOf(this->Fans[other.fan], other.lastLayer);
-        return v != fan.vertex && (v == edge.vertices[0] || v == edge.vertices[1]);
-      });
+      return false;
     }
     const int d = end ? sector.second : sector.first;
     const bool fromEnd = end ? sector.secondFromEnd : sector.firstFromEnd;
@@ -1033,7 +1093,10 @@ private:
     const int across = end ? sector.first : sector.second;
     side[across] = (end ? sector.firstFromEnd : sector.secondFromEnd) ? 1 : 0;
     const int edge = 4 * sector.along + side[faceAxis(2 * sector.along, 0)] + 2 * side[faceAxis(2 * sector.along, 1)];
-    return this->FanOfEdge[this->Complex.blocks[sector.block].edges[edge]] >= 0;
+    const ComplexBlock& block = this->Complex.blocks[sector.block];
+    const int beyond = this->FanOfEdge[block.edges[edge]];
+    return beyond >= 0 &&
+      this->isJoined(beyond, sector.alongFromEnd != block.edgeReversed[edge] ? fan.layers - 1 - layer : layer);
   }
 
   //----------------------------------------------------------------------------
@@ -1084,6 +1147,7 @@ private:
       ranks, fans.size(), [&](std::size_t i) { return static_cast<int>(i % ranks.size()); },
       [&](std::size_t i) { return changes[i]; });
     ranks.together([&] {
+      std::vector<Change> onRank;
       for (std::size_t i = 0; i < fans.size(); ++i)
       {
         LocalNetShape shape = this->Fans[fans[i]].shape;
@@ -1099,11 +1163,9 @@ private:
         {
           net[a] = Vec3(changes[i].data() + 1 + 3 * a);
         }
-        for (const Shift& shift : this->chain(fans[i], this->WallVertices[i].lastLayer, shape, net))
-        {
-          this->addShift(shift);
-        }
+        this->listChanges(this->chain(fans[i], this->WallVertices[i].lastLayer, shape, net), onRank);
       }
+      this->apply(std::move(onRank));
     });
     this->evenShortSpokes();
   }
@@ -1166,30 +1228,53 @@ private:
     return changes;
   }
 
-  void addShift(const Shift& shift) const
+  struct Change
   {
-    const NetFan& fan = this->Fans[shift.fan];
-    for (int layer = 0; layer < fan.layers; ++layer)
+    int block;
+    Index place;
+    Vec3 by;
+  };
+
+  /// What a chain of shifts changes on this rank: each place once, also where two of its fans meet.
+  void listChanges(const std::vector<Shift>& chain, std::vector<Change>& changes) const
+  {
+    std::map<std::pair<int, Index>, Vec3> places;
+    for (const Shift& shift : chain)
     {
-      if (shift.weights[layer] == 0.0)
+      const NetFan& fan = this->Fans[shift.fan];
+      for (int layer = 0; layer < fan.layers; ++layer)
       {
-        continue;
-      }
-      std::map<std::pair<int, Index>, int> places;
-      this->forCopies(fan, layer, shift.shape, [&](int a, int block, const Ijk& position) {
-        places.emplace(std::make_pair(block, this->index(block, position)), a);
-      });
-      for (const auto& [place, a] : places)
-      {
-        Eigen::Map<Vec3> x(this->Nets[place.first].points + 3 * place.second);
-        x += shift.weights[layer] * shift.net[a];
-        std::uint8_t& rule = this->Nets[place.first].rules[place.second];
-        if (rule == static_cast<std::uint8_t>(ControlPointRule::Copied) ||
-          rule == static_cast<std::uint8_t>(ControlPointRule::Regular))
+        if (shift.weights[layer] != 0.0)
         {
-          rule = static_cast<std::uint8_t>(ControlPointRule::ExtraordinaryEdge);
+          this->forCopies(fan, layer, shift.shape, [&](int a, int block, const Ijk& position) {
+            places.emplace(
+              std::make_pair(block, this->index(block, position)), Vec3(shift.weights[layer] * shift.net[a]));
+          });
         }
       }
+    }
+    for (const auto& [place, by] : places)
+    {
+      changes.push_back({ place.first, place.second, by });
+    }
+  }
+
+  void apply(std::vector<Change> changes) const
+  {
+    std::stable_sort(changes.begin(), changes.end(),
+      [](const Change& a, const Change& b) { return std::tie(a.block, a.place) < std::tie(b.block, b.place); });
+    for (std::size_t first = 0, last; first < changes.size(); first = last)
+    {
+      std::vector<Vec3> by;
+      for (last = first; last < changes.size() && changes[last].block == changes[first].block &&
+           changes[last].place == changes[first].place;
+           ++last)
+      {
+        by.push_back(changes[last].by);
+      }
+      const Change& at = changes[first];
+      Eigen::Map<Vec3>(this->Nets[at.block].points + 3 * at.place) += sortedSum(by);
+      this->mark(at.block, at.place);
     }
   }
 
@@ -1205,6 +1290,7 @@ private:
   std::vector<NetFan> Fans;
   /// Per fan and layer, whether it is next to a span to avoid; empty: none is.
   std::vector<std::vector<bool>> GivenUp;
+  std::vector<std::vector<bool>> Joined;
   std::vector<int> FanOfEdge;
   std::vector<Group> Groups;
   std::vector<WallVertex> WallVertices;

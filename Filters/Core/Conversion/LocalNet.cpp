@@ -199,25 +199,38 @@ struct Symmetry
   }
 };
 
-std::vector<Symmetry> symmetries(const LocalNetShape& shape)
+/// All turns and reflections of a fan with that many sectors, whatever its kinds.
+std::vector<Symmetry> turnsAndReflections(const LocalNetShape& shape)
 {
   std::vector<Symmetry> list;
   for (int turn = 0; turn < (shape.closed ? shape.sectors : 1); ++turn)
   {
     for (const bool reflected : { false, true })
     {
-      const Symmetry candidate{ turn, reflected };
-      bool fits = true;
-      for (int k = 0; k < shape.spokes(); ++k)
-      {
-        fits = fits && shape.kinds[candidate.spoke(shape, k)] == shape.kinds[k];
-      }
-      if (fits)
-      {
-        list.push_back(candidate);
-      }
+      list.push_back({ turn, reflected });
     }
   }
+  return list;
+}
+
+/// The kinds of the spokes that a turn or reflection puts in the places of the given ones.
+std::vector<SpokeKind> turnedKinds(const LocalNetShape& shape, const Symmetry& symmetry)
+{
+  std::vector<SpokeKind> kinds;
+  for (int k = 0; k < shape.spokes(); ++k)
+  {
+    kinds.push_back(shape.kinds[symmetry.spoke(shape, k)]);
+  }
+  return kinds;
+}
+
+/// Those that leave the kinds as they are.
+std::vector<Symmetry> symmetries(const LocalNetShape& shape)
+{
+  std::vector<Symmetry> list = turnsAndReflections(shape);
+  list.erase(std::remove_if(list.begin(), list.end(),
+               [&](const Symmetry& symmetry) { return turnedKinds(shape, symmetry) != shape.kinds; }),
+    list.end());
   return list;
 }
 
@@ -403,10 +416,26 @@ Eigen::MatrixXd bendingForm(const LocalNetShape& shape, int order)
   return form;
 }
 
-JoinRule::JoinRule(const LocalNetShape& shape)
-  : Conditions(conditions(shape, false))
-  , FirstConditions(conditions(shape, true))
+JoinRule::JoinRule(const LocalNetShape& given)
 {
+  // The same fan, begun at another spoke or in the other sense, must have the same matrix: that of the smallest kinds.
+  LocalNetShape shape = given;
+  Symmetry smallest{ 0, false };
+  for (const Symmetry& symmetry : turnsAndReflections(given))
+  {
+    const std::vector<SpokeKind> kinds = turnedKinds(given, symmetry);
+    if (kinds < shape.kinds)
+    {
+      shape.kinds = kinds;
+      smallest = symmetry;
+    }
+  }
+  if (shape.kinds != given.kinds)
+  {
+    this->Order = smallest.points(given);
+  }
+  this->Conditions = conditions(shape, false);
+  this->FirstConditions = conditions(shape, true);
   for (int k = 0; k < shape.spokes(); ++k)
   {
     for (int i = 2; i <= shape.reach && shape.isJoined(k); ++i)
@@ -443,7 +472,26 @@ JoinRule::JoinRule(const LocalNetShape& shape)
     Eigen::MatrixXd::Identity(this->FirstPoints.size(), this->FirstPoints.size()));
 }
 
-void JoinRule::apply(std::vector<Vec3>& net, bool moveFirst) const
+void JoinRule::apply(std::vector<Vec3>& given, bool moveFirst) const
+{
+  if (this->Order.empty())
+  {
+    this->applyInOrder(given, moveFirst);
+    return;
+  }
+  std::vector<Vec3> net(given.size());
+  for (std::size_t i = 0; i < net.size(); ++i)
+  {
+    net[i] = given[this->Order[i]];
+  }
+  this->applyInOrder(net, moveFirst);
+  for (std::size_t i = 0; i < net.size(); ++i)
+  {
+    given[this->Order[i]] = net[i];
+  }
+}
+
+void JoinRule::applyInOrder(std::vector<Vec3>& net, bool moveFirst) const
 {
   if (moveFirst)
   {

@@ -95,7 +95,7 @@ struct JoinCondition
 
 /// Makes a local net of reach 3 fulfil the conditions: P and all c_1 stay, of the other points (in an open fan but for
 /// those on its borders) the change is the least one in sum of |d_s|^2 + |d_t|^2 plus 0.01 identity. Linear; the matrix
-/// depends on the shape only and is the same bit for bit under the shape's rotations and reflections.
+/// depends on the shape only, and is the same bit for bit wherever the fan begins and in either sense.
 /// A net whose c_1 violate (a), where a layer keeps points, first has them moved as little as (a) needs if `moveFirst`.
 class JoinRule
 {
@@ -105,6 +105,10 @@ public:
   void apply(std::vector<Vec3>& net, bool moveFirst = false) const;
 
 private:
+  void applyInOrder(std::vector<Vec3>& net, bool moveFirst) const;
+
+  /// Where the points of the fan that the rule was computed for are in a given net; empty: in their places.
+  std::vector<int> Order;
   std::vector<JoinCondition> Conditions, FirstConditions;
   /// Rows of the change of `Points` over the defects of the conditions (b) to (d).
   std::vector<int> Points;

@@ -456,6 +456,13 @@ TEST(DistributedConversion, ExactG1)
     test->options.continuity = Continuity::ExactG1;
     expectSerialBits(*test, 6);
   }
+  for (unsigned seed = 9; seed <= 13; ++seed)
+  {
+    Case boxes("boxes " + std::to_string(seed), meshcases::randomBoxes(seed));
+    boxes.options.planarSides = PlanarSides::None;
+    boxes.options.continuity = Continuity::ExactG1;
+    expectSerialBits(boxes, 3);
+  }
 }
 
 TEST(DistributedConversion, WallOnly)

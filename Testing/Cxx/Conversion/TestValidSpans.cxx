@@ -239,6 +239,7 @@ TEST(ValidSpans, ExactG1)
     options.continuity = Continuity::ExactG1;
     const Converted exact = convert(mesh.mesh(), options);
     EXPECT_EQ(exact.report.spans.left.size() + exact.report.spans.invalidCells, std::size_t(notProven(exact)));
+    EXPECT_EQ(conversioncases::interfaceJumps(exact).openControlPoints, 0);
     EXPECT_EQ(exact.report.g1.layers + exact.report.g1.skippedLayers > 0, exact.report.g1.edges > 0);
     if (notProven(single) == 0)
     {

@@ -514,6 +514,66 @@ TEST(ExactG1, SameBitsForAnyNumberingOrientationAndThreads)
   }
 }
 
+// Blocks share every control point of their faces, edges and vertices, and the bits are the same for any numbering,
+// orientation and threads: where extraordinary edges meet or end in the middle of others' blocks, spokes have one or
+// two cells, creases end, and layers keep their points.
+TEST(ExactG1, WatertightOnRandomComplexes)
+{
+  const BodySurface body(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  Index layers = 0, skipped = 0;
+  for (unsigned seed = 1; seed <= 48; ++seed)
+  {
+    SCOPED_TRACE(seed);
+    MeshCase mesh = meshcases::randomBoxes(seed);
+    ConversionOptions options;
+    options.continuity = Continuity::ExactG1;
+    options.planarSides = static_cast<PlanarSides>(seed % 3);
+    options.checkSpans = seed % 4 < 2 ? CheckSpans::None : CheckSpans::All;
+    if (seed % 2 == 0)
+    {
+      // All boundaries are walls.
+      meshcases::declareAll(mesh, seed);
+      options.roles = { BoundaryRole::Body };
+      options.body = seed % 8 == 0 ? &body : nullptr;
+    }
+    const Converted converted = conversioncases::convert(mesh.mesh(), options);
+    layers += converted.report.g1.layers;
+    skipped += converted.report.g1.skippedLayers;
+    EXPECT_EQ(conversioncases::interfaceJumps(converted).openControlPoints, 0);
+    MeshCase other = mesh;
+    meshcases::shuffle(other, seed, seed % 4 == 3);
+    EXPECT_TRUE(conversioncases::canonicalNet(conversioncases::convert(other.mesh(), options, {},
+                  conversioncases::twoThreads())) == conversioncases::canonicalNet(converted));
+  }
+  EXPECT_GT(layers, 0);
+  EXPECT_GT(skipped, 0);
+}
+
+// What the fit changes on the wall is carried through all blocks within its range, not twice where two of them meet.
+TEST(ExactG1, StacksOfBlocksOverAFittedWall)
+{
+  const BodySurface body(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  for (const int cells : { 4, 8 })
+  {
+    MeshCase mesh = starMesh(Tromino, cells, { 1.0, 1.01, 1.025 });
+    const MeshCase above = starMesh(Tromino, cells, { 1.025, 1.05, 1.1, 1.25 });
+    mesh.blocks.insert(mesh.blocks.end(), above.blocks.begin(), above.blocks.end());
+    const ConversionOptions options = exact(&body);
+    BodyFitOptions fit;
+    fit.body = &body;
+    Converted converted;
+    converted.complex = buildBlockComplex(mesh.mesh());
+    fitBody(converted.complex, options, fit);
+    conversioncases::convertComplex(converted, options);
+    EXPECT_EQ(conversioncases::interfaceJumps(converted).openControlPoints, 0);
+    EXPECT_GT(converted.report.g1.fittedVertices, 0);
+    const Joins joins = measureJoins(converted);
+    EXPECT_LE(joins.wall, 1e-8);
+    EXPECT_LE(joins.layers, 1e-8);
+    EXPECT_LE(joins.gluing, 1e-12);
+  }
+}
+
 // Without extraordinary edges nothing changes.
 TEST(ExactG1, RegularMeshesKeepTheirKnots)
 {
