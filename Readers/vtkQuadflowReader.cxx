@@ -14,6 +14,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkSmartPointer.h"
+#include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -104,6 +105,13 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
     }
     bsv::setBlocks(output, grids, names, "BSplineVolume");
     bsv::setWholeFaceContacts(output, interfaces, boundaries, boundaryNames);
+    if (!all.title.empty())
+    {
+      vtkNew<vtkStringArray> title;
+      title->SetName("QuadflowTitle");
+      title->InsertNextValue(bsv::validUTF8(all.title));
+      output->GetFieldData()->AddArray(title);
+    }
     SetTime(output, step);
   });
   if (!success)

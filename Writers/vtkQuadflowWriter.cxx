@@ -7,8 +7,10 @@
 #include "WriteTogether.h"
 
 #include "vtkDataObject.h"
+#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
+#include "vtkStringArray.h"
 
 vtkStandardNewMacro(vtkQuadflowWriter);
 
@@ -85,6 +87,13 @@ void vtkQuadflowWriter::WriteData()
     options.unitKnots = this->KnotScaling == UNIT_KNOTS;
     options.separateGeometry = this->SeparateGeometry;
     options.binary = this->Binary;
-    bsv::writeQuadflow(bsv::makeQuadflowCase(input, run), this->FileName, options, run);
+    bsv::QuadflowCase all = bsv::makeQuadflowCase(input, run);
+    if (auto* title = vtkStringArray::SafeDownCast(this->GetInput()->GetFieldData()->GetAbstractArray("QuadflowTitle"));
+        title && title->GetNumberOfValues() > 0)
+    {
+      const std::string text = title->GetValue(0);
+      all.title = text.substr(0, text.find_first_of("\r\n"));
+    }
+    bsv::writeQuadflow(all, this->FileName, options, run);
   }));
 }

@@ -135,6 +135,20 @@ def test_read_and_written_again_is_the_same_file():
             assert saved[0] == saved[1], chosen
 
 
+def test_files_of_other_versions_keep_their_first_line():
+    with folder() as path:
+        first, second = os.path.join(path, "a.qfmb"), os.path.join(path, "b.qfmb")
+        simple.SaveData(first, proxy=DEMO)
+        with open(first, "rb") as file:
+            lines = file.read().split(b"\n", 1)
+        for line in (b"# Multi-block B-spline topology, dialect of BSplineVolume; see quadflow_format.md.", b"#of another"):
+            with open(first, "wb") as file:
+                file.write(line + b"\n" + lines[1])
+            simple.SaveData(second, proxy=reader(first))
+            with open(second, "rb") as file:
+                assert file.read() == line + b"\n" + lines[1]
+
+
 def test_edge_classes():
     with folder() as path:
         file = os.path.join(path, "a.qfmb")

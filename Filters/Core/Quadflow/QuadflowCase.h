@@ -89,6 +89,8 @@ struct QuadflowBoundaryName
 /// A whole file. Ids are indices from 0 here, whatever the text has. Ranges of interfaces count control points.
 struct QuadflowCase
 {
+  /// What follows # in the first line, a comment; empty: that of this version.
+  std::string title;
   /// First id in the text that was read: messages name ids as they stand there.
   int indexBase = 0;
   int countsLine = 0;

@@ -6,6 +6,7 @@
 #include "Quadflow/QuadflowSyntax.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -575,6 +576,25 @@ private:
 
 } // namespace
 
+namespace
+{
+
+/// The comment in the first line, as far as it is one of reasonable length.
+std::string titleOf(const std::string& path)
+{
+  std::ifstream stream(path, std::ios::binary);
+  std::array<char, 512> line{};
+  stream.getline(line.data(), line.size());
+  std::string text(line.data());
+  if (!text.empty() && text.back() == '\r')
+  {
+    text.pop_back();
+  }
+  return stream && !text.empty() && text[0] == '#' ? text.substr(1) : std::string();
+}
+
+} // namespace
+
 bool looksLikeQuadflow(const std::string& path)
 {
   if (!isRegularFile(path))
@@ -597,7 +617,9 @@ bool looksLikeQuadflow(const std::string& path)
 QuadflowCase readQuadflow(
   const std::string& path, const QuadflowStorage& storage, const Execution& run, const Piece& piece)
 {
-  return QuadflowReader(path, storage, run, piece).read();
+  QuadflowCase result = QuadflowReader(path, storage, run, piece).read();
+  result.title = titleOf(path);
+  return result;
 }
 
 } // namespace bsv

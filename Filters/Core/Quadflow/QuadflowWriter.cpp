@@ -38,10 +38,13 @@ std::string encoded(const std::string& name)
   }
   return result;
 }
-void writeHeader(TextOutput text, const char* magic, const QuadflowOptions& options)
+void writeHeader(TextOutput text, const char* magic, const std::string& title, const QuadflowOptions& options)
 {
-  text << "# Multi-block B-spline topology, dialect of BSplineVolume " BSPLINEVOLUME_VERSION
-          "; see quadflow_format.md.\n"
+  text << "#"
+       << (title.empty() ? " Multi-block B-spline topology, dialect of BSplineVolume " BSPLINEVOLUME_VERSION
+                           "; see quadflow_format.md."
+                         : title)
+       << "\n"
        << magic << " " << Version << "\n"
        << "dimension 3\nindex_base " << options.indexBase << "\nknots " << (options.unitKnots ? "unit" : "integer")
        << "\ncp_order ijk\n";
@@ -233,7 +236,7 @@ void writeQuadflow(
   {
     AtomicFile& topology = files.add(path);
     onFirst([&] {
-      writeHeader(TextOutput(topology), Magic, options);
+      writeHeader(TextOutput(topology), Magic, all.title, options);
       writeTopology(TextOutput(topology), all, options.indexBase);
     });
     writeGeometry(topology, all, options, run);
@@ -249,11 +252,11 @@ void writeQuadflow(
     AtomicFile& geometry = files.add(geometryPath);
     AtomicFile& topology = files.add(path);
     onFirst([&] {
-      writeHeader(TextOutput(topology), Magic, options);
+      writeHeader(TextOutput(topology), Magic, all.title, options);
       writeTopology(TextOutput(topology), all, options.indexBase);
       TextOutput(topology) << "GEOMETRY file " << encoded(geometryPath.substr(folderOf(geometryPath).size()))
                            << "\nend\n";
-      writeHeader(TextOutput(geometry), GeometryMagic, options);
+      writeHeader(TextOutput(geometry), GeometryMagic, all.title, options);
       TextOutput(geometry) << "counts blocks " << static_cast<int>(all.blocks.size()) << "\n";
     });
     writeGeometry(geometry, all, options, run);
