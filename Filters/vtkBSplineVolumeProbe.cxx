@@ -181,18 +181,21 @@ int vtkBSplineVolumeProbe::RequestData(
     {
       throw bsv::Error("Points: no points to probe are connected");
     }
-    ranks.together([&] { bsv::requireFinitePoints(points, "Points"); });
+    ranks.together([&] { bsv::requireFinitePoints(points, "Points", run); });
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
-    const bsv::VolumeLocator locator(input.volumes);
+    const bsv::VolumeLocator locator(input.volumes, run);
     const double tolerance = std::max(this->Tolerance, Rounding) * diagonal(locator, ranks);
 
     // Every rank asks all ranks for its points.
+    constexpr Index Grain = 1 << 12;
     const Index count = points->GetNumberOfPoints();
     std::vector<bsv::Triple> mine(count);
-    for (Index n = 0; n < count; ++n)
-    {
-      points->GetPoint(n, mine[n].data());
-    }
+    run.parallelFor(count, Grain, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        points->GetPoint(n, mine[n].data());
+      }
+    });
     const std::vector<std::vector<bsv::Triple>> asked =
       ranks.exchange(std::vector<std::vector<bsv::Triple>>(ranks.size(), mine));
     Index all = 0;
@@ -236,27 +239,30 @@ int vtkBSplineVolumeProbe::RequestData(
     {
       slopes[d] = doubles(data, Names[d], count, 3);
     }
-    Index inside = 0;
-    for (Index n = 0; n < count; ++n)
-    {
-      Answer best{ -1, 0.0, {}, {} };
-      for (const std::vector<Answer>& part : received)
+    run.parallelFor(count, Grain, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
       {
-        if (part[n].block >= 0 && (best.block < 0 || part[n].block < best.block))
+        Answer best{ -1, 0.0, {}, {} };
+        for (const std::vector<Answer>& part : received)
         {
-          best = part[n];
+          if (part[n].block >= 0 && (best.block < 0 || part[n].block < best.block))
+          {
+            best = part[n];
+          }
+        }
+        block->SetValue(n, best.block);
+        uvw->SetTypedTuple(n, best.uvw.data());
+        distance->SetValue(n, best.distance);
+        jacobian->SetValue(
+          n, bsv::vec3(best.slopes[0]).cross(bsv::vec3(best.slopes[1])).dot(bsv::vec3(best.slopes[2])));
+        for (int d = 0; this->ComputeDerivatives && d < 3; ++d)
+        {
+          slopes[d]->SetTypedTuple(n, best.slopes[d].data());
         }
       }
-      inside += best.block >= 0 ? 1 : 0;
-      block->SetValue(n, best.block);
-      uvw->SetTypedTuple(n, best.uvw.data());
-      distance->SetValue(n, best.distance);
-      jacobian->SetValue(n, bsv::vec3(best.slopes[0]).cross(bsv::vec3(best.slopes[1])).dot(bsv::vec3(best.slopes[2])));
-      for (int d = 0; this->ComputeDerivatives && d < 3; ++d)
-      {
-        slopes[d]->SetTypedTuple(n, best.slopes[d].data());
-      }
-    }
+    });
+    const int* blocks = block->GetPointer(0);
+    const Index inside = std::count_if(blocks, blocks + count, [](int b) { return b >= 0; });
     for (const std::array<Index, 2>& part : ranks.gatherAll(std::vector<std::array<Index, 2>>{ { count, inside } }))
     {
       this->NumberOfPoints += part[0];

@@ -789,8 +789,10 @@ int vtkBSplineVolumeSmoothness::RequestData(
     fillTable(output.joins, result, input.names, bsv::globalRanks()->rank() == 0);
     fillCurves(output.curves, result, input);
     fillList(output.list, this->JoinList, result, input, *bsv::globalRanks());
+    const bsv::Execution sides = bsv::filterExecution(this, 0.7, 0.9);
     for (std::size_t n = 0; n < interfaces.size(); ++n)
     {
+      sides.report(static_cast<double>(n) / static_cast<double>(interfaces.size()));
       bsv::Join& join = result.joins[n];
       surfaces.push_back(input.isHere(join.sides[0].block)
           ? interfaceSurface(join, static_cast<int>(n), this->SamplesPerSpan)
@@ -803,7 +805,7 @@ int vtkBSplineVolumeSmoothness::RequestData(
     }
     setParts(output.interfaces, surfaces, names, "Interfaces");
 
-    const bsv::Execution run = bsv::filterExecution(this, 0.7, 1.0);
+    const bsv::Execution run = bsv::filterExecution(this, 0.9, 1.0);
     std::vector<int> rowOf(result.joins.size() + 1, -1);
     for (std::size_t row = 0; row < result.ranking.size(); ++row)
     {

@@ -103,8 +103,7 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
     std::vector<std::string> names;
     run.ranks->together([&] {
       run.report(0.0);
-      content = bsv::readBSplineVolumeFile(fileName);
-      run.report(0.8);
+      content = bsv::readBSplineVolumeFile(fileName, bsv::pieceExecution(this, piece, 0.0, 0.8));
       std::vector<bsv::Ijk> counts;
       for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
       {

@@ -15,20 +15,23 @@ namespace bsv
 {
 
 /// @throws Error, beginning with `name`, for the first point whose coordinates are not finite.
-inline void requireFinitePoints(vtkDataSet* data, const std::string& name)
+inline void requireFinitePoints(vtkDataSet* data, const std::string& name, const Execution& run = {})
 {
-  for (vtkIdType n = 0; n < data->GetNumberOfPoints(); ++n)
-  {
-    double x[3];
-    data->GetPoint(n, x);
-    if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
+  // The exception of the lowest range is that of the first point.
+  run.parallelFor(data->GetNumberOfPoints(), 1 << 14, [&](Index begin, Index end) {
+    for (Index n = begin; n < end; ++n)
     {
-      std::ostringstream text;
-      text << name << ", point " << n << ": coordinates (" << x[0] << ", " << x[1] << ", " << x[2]
-           << ") are not finite";
-      throw Error(text.str());
+      double x[3];
+      data->GetPoint(n, x);
+      if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
+      {
+        std::ostringstream text;
+        text << name << ", point " << n << ": coordinates (" << x[0] << ", " << x[1] << ", " << x[2]
+             << ") are not finite";
+        throw Error(text.str());
+      }
     }
-  }
+  });
 }
 
 } // namespace bsv

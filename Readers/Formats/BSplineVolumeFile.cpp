@@ -4,6 +4,7 @@
 #include "Formats/G2File.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace bsv
@@ -47,7 +48,7 @@ bool isBSplineVolumeFile(const std::string& fileName)
   }
 }
 
-BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName)
+BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName, const Execution& run)
 {
   const std::string head = readTextFile(fileName, HeadBytes);
   const bool g2 = looksLikeG2(head);
@@ -55,8 +56,8 @@ BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName)
   {
     throw Error(fileName + (head.empty() ? ": the file is empty" : ": neither a GoTools g2 file nor an MFEM mesh"));
   }
-  const std::string text = readTextFile(fileName);
-  BSplineVolumeFileContent content = g2 ? parseG2Volumes(text, fileName) : parseMFEMMesh(text, fileName);
+  const std::string text = readTextFile(fileName, std::numeric_limits<std::size_t>::max(), run);
+  BSplineVolumeFileContent content = g2 ? parseG2Volumes(text, fileName, run) : parseMFEMMesh(text, fileName, run);
   if (content.blocks.empty())
   {
     std::string held;
@@ -83,11 +84,12 @@ BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName)
   return content;
 }
 
-BSplineVolumeFileContent parseG2Volumes(const std::string& text, const std::string& fileName)
+BSplineVolumeFileContent parseG2Volumes(const std::string& text, const std::string& fileName, const Execution& run)
 {
   BSplineVolumeFileContent content;
   content.format = "GoTools g2";
   TextScanner in(text, fileName);
+  in.reportTo(run);
   std::map<int, int> others;
   while (!in.atEnd())
   {

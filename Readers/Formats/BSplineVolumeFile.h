@@ -48,10 +48,11 @@ bool isBSplineVolumeFile(const std::string& fileName);
 
 /// Reads a file; its format is found from its first bytes.
 /// @throws Error naming the file, and the line for what is wrong at one, or if it holds no volume.
-BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName);
+BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName, const Execution& run = {});
 
 /// GoTools: all spline volumes (class 700); all else is counted and left out.
-BSplineVolumeFileContent parseG2Volumes(const std::string& text, const std::string& fileName);
+BSplineVolumeFileContent parseG2Volumes(
+  const std::string& text, const std::string& fileName, const Execution& run = {});
 
 /// MFEM NURBS mesh v1.0 of hexahedral patches, in both of its forms, and v1.1, whose spacing functions are left out.
 ///
@@ -66,6 +67,6 @@ BSplineVolumeFileContent parseG2Volumes(const std::string& text, const std::stri
 /// before the first section says "# boundary attribute <attribute>: <name>", and blocks likewise.
 ///
 /// Source: MFEM's documentation of its mesh formats (https://mfem.org/mesh-formats) and the meshes that come with it.
-BSplineVolumeFileContent parseMFEMMesh(const std::string& text, const std::string& fileName);
+BSplineVolumeFileContent parseMFEMMesh(const std::string& text, const std::string& fileName, const Execution& run = {});
 
 } // namespace bsv

@@ -57,9 +57,10 @@ std::array<int, N> sorted(std::array<int, N> vertices)
 class Parser
 {
 public:
-  Parser(const std::string& text, const std::string& fileName)
+  Parser(const std::string& text, const std::string& fileName, const Execution& run)
     : In(text, fileName, '#')
   {
+    this->In.reportTo(run);
     this->readNames(text);
   }
 
@@ -824,9 +825,9 @@ private:
 
 } // namespace
 
-BSplineVolumeFileContent parseMFEMMesh(const std::string& text, const std::string& fileName)
+BSplineVolumeFileContent parseMFEMMesh(const std::string& text, const std::string& fileName, const Execution& run)
 {
-  return Parser(text, fileName).parse();
+  return Parser(text, fileName, run).parse();
 }
 
 } // namespace bsv

@@ -64,11 +64,12 @@ std::string formatOfNURBSFile(const std::string& fileName)
   return {};
 }
 
-NURBSFileContent parseG2(const std::string& text, const std::string& fileName)
+NURBSFileContent parseG2(const std::string& text, const std::string& fileName, const Execution& run)
 {
   NURBSFileContent content;
   content.format = "GoTools g2";
   TextScanner in(text, fileName);
+  in.reportTo(run);
   int curves = 0;
   while (!in.atEnd())
   {
@@ -204,7 +205,7 @@ NURBSFileContent readNURBSFile(const std::string& fileName, double tolerance, co
   NURBSFileContent content;
   if (format == "GoTools g2")
   {
-    content = parseG2(readTextFile(fileName), fileName);
+    content = parseG2(readTextFile(fileName), fileName, run);
     Eigen::AlignedBox3d box;
     for (const BodyPatch& patch : content.patches)
     {

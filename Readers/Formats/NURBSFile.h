@@ -63,7 +63,7 @@ NURBSFileContent readCADFile(
 /// GoTools `.g2`, from its text. Spline surfaces (class 200) only; curves (100) are left out, all else is refused.
 /// Knots, weights and points of polynomial surfaces are the file's numbers; the points of rational ones, which the
 /// format stores multiplied by their weights, are divided by them.
-NURBSFileContent parseG2(const std::string& text, const std::string& fileName);
+NURBSFileContent parseG2(const std::string& text, const std::string& fileName, const Execution& run = {});
 
 /// Triangles of an untrimmed patch: a grid fine enough for the tolerance (a length).
 void tessellateDomain(const NURBSSurface& surface, int patch, double tolerance, BodyTessellation& tessellation);

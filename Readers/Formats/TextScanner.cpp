@@ -9,7 +9,7 @@
 namespace bsv
 {
 
-std::string readTextFile(const std::string& fileName, std::size_t most)
+std::string readTextFile(const std::string& fileName, std::size_t most, const Execution& run)
 {
   requireRegularFile(fileName);
   std::ifstream stream(fileName, std::ios::binary);
@@ -30,6 +30,7 @@ std::string readTextFile(const std::string& fileName, std::size_t most)
     }
     text.append(part.begin(), end);
     text.resize(std::min(text.size(), most));
+    run.report(0.0);
   }
   if (stream.bad())
   {
@@ -58,8 +59,20 @@ bool TextScanner::atEnd()
   return true;
 }
 
+void TextScanner::report()
+{
+  // What takes about a hundredth of a second.
+  constexpr std::ptrdiff_t Characters = std::ptrdiff_t(1) << 19;
+  this->Run->report(static_cast<double>(this->At - this->Start) / static_cast<double>(this->End - this->Start));
+  this->NextReport = this->End - this->At > Characters ? this->At + Characters : this->End;
+}
+
 void TextScanner::need(const char* what)
 {
+  if (this->Run && this->At >= this->NextReport)
+  {
+    this->report();
+  }
   if (this->atEnd())
   {
     this->fail(std::string("the file ends where ") + what + " should follow");

@@ -16,8 +16,9 @@ namespace bsv
 {
 
 /// The whole of a file, or its first bytes.
-/// @throws Error if it cannot be read, is no regular file, or holds bytes that are 0, which no text does.
-std::string readTextFile(const std::string& fileName, std::size_t most = std::numeric_limits<std::size_t>::max());
+/// @throws Error if it cannot be read, is no regular file, or holds bytes that are 0, which no text does; Aborted
+std::string readTextFile(
+  const std::string& fileName, std::size_t most = std::numeric_limits<std::size_t>::max(), const Execution& run = {});
 
 class TextScanner
 {
@@ -29,6 +30,13 @@ public:
     , Comment(comment)
     , FileName(fileName)
   {
+  }
+
+  /// Reports the part of the text that was read, now and then. `run` must outlive the scanner.
+  void reportTo(const Execution& run)
+  {
+    this->Run = &run;
+    this->Start = this->NextReport = this->At;
   }
 
   /// Line, from 1, of what was read last.
@@ -80,9 +88,13 @@ private:
     return std::find_if(this->At, this->End, [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); });
   }
   void need(const char* what);
+  void report();
 
   const char* At;
   const char* End;
+  const Execution* Run = nullptr;
+  const char* Start = nullptr;
+  const char* NextReport = nullptr;
   int Line = 1;
   char Comment;
   std::string FileName;

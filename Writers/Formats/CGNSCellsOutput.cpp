@@ -173,9 +173,15 @@ void writeCGNSCells(
     if (ranks.rank() == 0)
     {
       const double nodes = cells.order() == 2 ? 27.0 : 64.0;
+      double numbers = nodes * static_cast<double>(cells.cellCount());
+      for (const BoundaryPatch& patch : cells.volume().boundaries)
+      {
+        numbers += nodes * static_cast<double>(cells.quadCount(patch));
+      }
+      // A zone, its coordinates and cells; a family, sides and a boundary condition for every name.
       output = std::make_unique<CGNSFile>(file,
-        24.0 * static_cast<double>(cells.numbers().count()) +
-          sizeof(cgsize_t) * nodes * static_cast<double>(cells.cellCount()));
+        24.0 * static_cast<double>(cells.numbers().count()) + sizeof(cgsize_t) * numbers,
+        24.0 + 12.0 * static_cast<double>(cells.volume().boundaryNames.size()));
       writer = std::make_unique<CellWriter>(cells, *output);
       writer->begin(lengthUnit, notes);
     }

@@ -15,10 +15,19 @@
 namespace bsv
 {
 
-CGNSFile::CGNSFile(AtomicFile& file, double bytes)
+namespace
+{
+
+/// No less than the library takes beside the arrays, for a file and for a node in it.
+constexpr double FileBytes = 65536.0;
+constexpr double NodeBytes = 3072.0;
+
+} // namespace
+
+CGNSFile::CGNSFile(AtomicFile& file, double bytes, double nodes)
   : File(file)
 {
-  file.requireRoom(bytes);
+  file.requireRoom(bytes + FileBytes + NodeBytes * nodes);
   // Without a handler the library writes to the console.
   cg_error_handler([](int, char*) {});
   cg_set_file_type(CG_FILE_HDF5);

@@ -21,8 +21,10 @@ namespace bsv
 class CGNSFile
 {
 public:
-  /// @param bytes about how large the file will be
-  CGNSFile(AtomicFile& file, double bytes);
+  /// @param bytes of the arrays. @param nodes no fewer than the file will have
+  /// @throws FileError if there is no room for them. What the library cannot write to a file that must not become
+  /// longer (RLIMIT_FSIZE), it cannot let go of either: it would be of no use for the rest of the process.
+  CGNSFile(AtomicFile& file, double bytes, double nodes);
   ~CGNSFile();
   CGNSFile(const CGNSFile&) = delete;
   CGNSFile& operator=(const CGNSFile&) = delete;

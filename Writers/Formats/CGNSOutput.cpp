@@ -250,8 +250,12 @@ void writeCGNS(const MeshToWrite& mesh, AtomicFile& file, const Execution& run, 
   ranks.together([&] {
     if (ranks.rank() == 0)
     {
-      output =
-        std::make_unique<CGNSFile>(file, static_cast<double>(mesh.pointCount()) * (mesh.isFloat() ? 12.0 : 24.0));
+      // Zones with coordinates, both sides of the interfaces, families and boundary conditions.
+      const double nodes = 8.0 + 10.0 * static_cast<double>(mesh.blocks.size()) +
+        8.0 * static_cast<double>(mesh.interfaces.size()) + 2.0 * static_cast<double>(mesh.boundaryNames.size()) +
+        4.0 * static_cast<double>(mesh.boundaries.size());
+      output = std::make_unique<CGNSFile>(
+        file, static_cast<double>(mesh.pointCount()) * (mesh.isFloat() ? 12.0 : 24.0), nodes);
       StructureWriter(mesh, *output, notes).write(notes);
     }
   });

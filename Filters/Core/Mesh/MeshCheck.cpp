@@ -380,26 +380,22 @@ void checkFinitePoints(const BlockMesh& mesh, const Execution& run)
         continue;
       }
       const Ijk counts = points.counts();
-      // The first bad point of each layer, or -1.
-      std::vector<Index> bad(counts[2], -1);
+      // The exception of the lowest range is that of the first point.
       run.parallelFor(counts[2], 1, [&](Index begin, Index end) {
         for (int k = static_cast<int>(begin); k < end; ++k)
         {
-          const Index layer = Index(counts[0]) * counts[1];
-          for (Index n = 0; n < layer && bad[k] < 0; ++n)
+          for (int j = 0; j < counts[1]; ++j)
           {
-            bad[k] = points(static_cast<int>(n % counts[0]), static_cast<int>(n / counts[0]), k).allFinite() ? -1 : n;
+            for (int i = 0; i < counts[0]; ++i)
+            {
+              if (!points(i, j, k).allFinite())
+              {
+                throwNotFinite(mesh, static_cast<int>(b), { i, j, k });
+              }
+            }
           }
         }
       });
-      for (int k = 0; k < counts[2]; ++k)
-      {
-        if (bad[k] >= 0)
-        {
-          throwNotFinite(mesh, static_cast<int>(b),
-            { static_cast<int>(bad[k] % counts[0]), static_cast<int>(bad[k] / counts[0]), k });
-        }
-      }
     }
   });
 }

@@ -264,12 +264,11 @@ std::optional<VolumePlace> VolumeLocator::Spans::search(
   return std::nullopt;
 }
 
-VolumeLocator::VolumeLocator(const std::vector<BSplineVolume>& volumes)
+VolumeLocator::VolumeLocator(const std::vector<BSplineVolume>& volumes, const Execution& run)
 {
   auto data = std::make_unique<Spans>();
   data->volumes = &volumes;
   data->directions.resize(volumes.size());
-  std::vector<Box> boxes;
   for (int block = 0; block < static_cast<int>(volumes.size()); ++block)
   {
     const BSplineVolume& volume = volumes[block];
@@ -295,14 +294,23 @@ VolumeLocator::VolumeLocator(const std::vector<BSplineVolume>& volumes)
       {
         for (int i = 0; i < counts[0]; i += BrickSize)
         {
-          const Brick brick{ block, { i, j, k } };
-          const std::array<Ijk, 2> points = data->pointsOf(brick);
-          data->bricks.push_back(brick);
-          boxes.push_back(data->boxOfPoints(block, points[0], points[1]));
-          data->box.extend(boxes.back());
+          data->bricks.push_back({ block, { i, j, k } });
         }
       }
     }
+  }
+  std::vector<Box> boxes(data->bricks.size());
+  run.parallelFor(static_cast<Index>(boxes.size()), 64, [&](Index begin, Index end) {
+    for (Index n = begin; n < end; ++n)
+    {
+      const Brick& brick = data->bricks[n];
+      const std::array<Ijk, 2> points = data->pointsOf(brick);
+      boxes[n] = data->boxOfPoints(brick.block, points[0], points[1]);
+    }
+  });
+  for (const Box& box : boxes)
+  {
+    data->box.extend(box);
   }
   data->tree = std::make_unique<const BoxTree>(boxes);
   this->Data = std::move(data);

@@ -36,7 +36,7 @@ public:
   static constexpr int MaximumHalvings = 6;
 
   /// Of volumes whose points are here. They must live as long as the locator, and their points must not change.
-  explicit VolumeLocator(const std::vector<BSplineVolume>& volumes);
+  explicit VolumeLocator(const std::vector<BSplineVolume>& volumes, const Execution& run = {});
   ~VolumeLocator();
   VolumeLocator(VolumeLocator&&) noexcept;
   VolumeLocator& operator=(VolumeLocator&&) noexcept;
