@@ -434,7 +434,10 @@ void writeHOPR(const CurvedCells& cells, AtomicFile& file, const Execution& run)
     if (ranks.rank() == 0)
     {
       const double perCell = std::pow(cells.order() + 1.0, 3);
-      output = std::make_unique<HDF5File>(file, (28.0 * perCell + 176.0) * static_cast<double>(cells.cellCount()));
+      // The arrays, and no less than HDF5 takes beside them: it cannot let go of what it may not write (RLIMIT_FSIZE).
+      output = std::make_unique<HDF5File>(file,
+        (28.0 * perCell + 176.0) * static_cast<double>(cells.cellCount()) +
+          300.0 * static_cast<double>(cells.volume().boundaryNames.size()) + 65536.0);
       writer = std::make_unique<HOPRWriter>(cells, *output);
       writer->begin();
     }
