@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The conversion alone, from a block complex to control nets: six blocks around a sphere, whose wall is a body, with
-// eight extraordinary edges, points in double and in single precision; and more and more blocks of 20^3 cells.
+// eight extraordinary edges, points in double and in single precision; the same without the check of spans near special
+// rules; and more and more blocks of 20^3 cells.
 #include "BenchmarkSupport.h"
 #include "MeshSizes.h"
 
@@ -62,11 +63,13 @@ struct SphereConversion
   }
 };
 
-void conversion(benchmark::State& state, bool isFloat)
+void conversion(benchmark::State& state, bool isFloat, bsv::CheckSpans check)
 {
   const bsv::Index points = bsvbench::pointsOf(state);
-  run(
-    state, bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); }));
+  SphereConversion& work =
+    bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); });
+  work.options.checkSpans = check;
+  run(state, work);
 }
 
 struct BoxConversion
@@ -91,13 +94,14 @@ void doubleSizes(benchmark::internal::Benchmark* benchmark)
 {
   bsvbench::sizes(benchmark, 55.0);
 }
-BENCHMARK_CAPTURE(conversion, double, false)->Apply(doubleSizes);
+BENCHMARK_CAPTURE(conversion, double, false, bsv::CheckSpans::SpecialRules)->Apply(doubleSizes);
+BENCHMARK_CAPTURE(conversion, unchecked, false, bsv::CheckSpans::None)->Apply(doubleSizes);
 
 void floatSizes(benchmark::internal::Benchmark* benchmark)
 {
   bsvbench::sizes(benchmark, 65.0, 7);
 }
-BENCHMARK_CAPTURE(conversion, float, true)->Apply(floatSizes);
+BENCHMARK_CAPTURE(conversion, float, true, bsv::CheckSpans::SpecialRules)->Apply(floatSizes);
 
 BENCHMARK(conversionOfBlocks)->Apply(doubleSizes);
 

@@ -3,6 +3,7 @@
 
 #include "Base/SparseArray.h"
 #include "Conversion/DoubleKnots.h"
+#include "Quality/TangentCones.h"
 
 #include <algorithm>
 #include <numeric>
@@ -251,14 +252,36 @@ std::map<SpanId, Validity> failingSpans(const CheckedNets& nets, const SpanLists
     {
       const Task& task = tasks[t];
       const std::vector<Index> spans(task.spans->begin() + task.first, task.spans->begin() + task.last);
-      codes[t].resize(spans.size());
+      codes[t].assign(spans.size(), static_cast<unsigned char>(Validity::Valid));
+      const BSplineVolume volume = nets.volume(task.block);
       JacobianOptions options;
       options.leftHanded = complex.blocks[task.block].leftHanded;
-      options.spans = &spans;
+      const std::vector<bool> proven = provenByTangentCones(volume, spans, options.leftHanded);
+      std::vector<Index> others;
+      for (std::size_t i = 0; i < spans.size(); ++i)
+      {
+        if (!proven[i])
+        {
+          others.push_back(spans[i]);
+        }
+      }
+      if (others.empty())
+      {
+        continue;
+      }
+      std::vector<unsigned char> validity(others.size());
+      options.spans = &others;
       options.maxWitnesses = 0;
       JacobianArrays arrays;
-      arrays.validity = codes[t].data();
-      jacobianBounds(nets.volume(task.block), complex.blocks[task.block].name, options, arrays);
+      arrays.validity = validity.data();
+      jacobianBounds(volume, complex.blocks[task.block].name, options, arrays);
+      for (std::size_t i = 0, next = 0; i < spans.size(); ++i)
+      {
+        if (!proven[i])
+        {
+          codes[t][i] = validity[next++];
+        }
+      }
     }
   });
   std::map<SpanId, Validity> failing;

@@ -418,7 +418,7 @@ private:
     if (arrays.skewness)
     {
       constexpr double HalfPi = 1.57079632679489661923;
-      arrays.skewness[span] = std::asin(std::min(1.0, this->Batch.cosine[l])) / HalfPi;
+      arrays.skewness[entry] = std::asin(std::min(1.0, this->Batch.cosine[l])) / HalfPi;
     }
   }
 

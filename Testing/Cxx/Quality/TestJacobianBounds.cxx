@@ -2,6 +2,7 @@
 // Validity of spans: against dense samples and exact rational arithmetic, on volumes of known sign, and independent of
 // orientation, threads and instruction set.
 #include "Quality/JacobianBounds.h"
+#include "Quality/TangentCones.h"
 #include "Support/VolumeCases.h"
 #include "Volume/Sampling.h"
 
@@ -17,6 +18,7 @@
 
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 
 using namespace bsv;
 using namespace bsvtest;
@@ -664,6 +666,43 @@ TEST(JacobianBounds, ThinLayersAreDecided)
     transform(block, m, { 100, 0, 0 });
     const Measured measured = measure(block);
     EXPECT_EQ(measured.report.valid, 216) << thickness;
+  }
+}
+
+// What the cones of the tangents prove, the bounds prove as well; they need no more than lines that turn little,
+// however thin or sheared the cells are. Mirrored control points change the sense that is proven.
+TEST(JacobianBounds, TangentConesProveNothingElse)
+{
+  std::mt19937 random(21);
+  std::vector<Index> spans(216);
+  std::iota(spans.begin(), spans.end(), Index(0));
+  for (int trial = 0; trial < 60; ++trial)
+  {
+    const double amplitude = 0.05 * (trial % 10);
+    Block block = cubicBlock(random, { 6, 6, 6 }, amplitude);
+    Eigen::Matrix3d m;
+    const double thickness = std::pow(10.0, -(trial % 7));
+    m << 1, trial % 3, 0, -0.3, 1, 0.5 * thickness, 0, 0, thickness;
+    const bool mirrored = trial % 4 == 3;
+    transform(block, mirrored ? Eigen::Matrix3d(-m) : m, { 100, 0, 0 });
+    JacobianOptions options;
+    options.leftHanded = mirrored;
+    const Measured measured = measure(block, options);
+    const std::vector<bool> proven = provenByTangentCones(block.view(), spans, mirrored);
+    for (const Index span : spans)
+    {
+      EXPECT_TRUE(!proven[span] || measured.at(span) == Validity::Valid) << "trial " << trial << " span " << span;
+    }
+    const auto other = provenByTangentCones(block.view(), spans, !mirrored);
+    EXPECT_EQ(std::count(other.begin(), other.end(), true), 0);
+    if (amplitude == 0.0 || (amplitude < 0.07 && thickness == 1.0))
+    {
+      EXPECT_EQ(std::count(proven.begin(), proven.end(), true), 216) << "trial " << trial;
+    }
+    block.points[3 * 100] = std::numeric_limits<double>::quiet_NaN();
+    const auto broken = provenByTangentCones(block.view(), spans, mirrored);
+    // The point is (1, 2, 1) of 9 x 9 x 9.
+    EXPECT_FALSE(broken[0] || broken[1] || broken[6]);
   }
 }
 
