@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -33,6 +34,9 @@ constexpr double Watched = 0.01, Finished = 0.02;
 constexpr double LongestStep = 0.15;
 /// Sweeps that a span fails before boundary points at its corners may move.
 constexpr int Patience = 3;
+/// Sweeps without progress after which there is none to be expected: fewer failing spans than ever, or a penalty of all
+/// that is smaller than ever by a part of 1 / 64.
+constexpr int MaxIdleSweeps = 12;
 constexpr int MaxSweeps = 60, MaxUntanglingSweeps = 300, MaxFinalSweeps = 15;
 
 class Repair
@@ -191,16 +195,42 @@ private:
       this->Entries.begin(), this->Entries.end(), [](const auto& entry) { return entry.second.failing(); }));
   }
 
+  struct Progress
+  {
+    Index failing = std::numeric_limits<Index>::max();
+    double penalty = std::numeric_limits<double>::infinity();
+  };
+  /// On all ranks. Penalties are those before the last sweep.
+  Progress progress() const
+  {
+    std::vector<double> penalties;
+    for (const auto& entry : this->Entries)
+    {
+      if (entry.second.failing())
+      {
+        penalties.push_back(entry.second.penalty.value);
+      }
+    }
+    penalties = this->Group.gatherAll(penalties);
+    const Index failing = static_cast<Index>(penalties.size());
+    return { failing, sortedSum(penalties) };
+  }
+
   void sweepAll(SpanReport& report)
   {
     const int most = this->Context.options.untangle ? MaxUntanglingSweeps : MaxSweeps;
+    Progress best;
+    int idle = 0;
     while (report.sweeps < most && this->anyFails())
     {
       this->Group.together([&] { this->Run.report(0.95); });
       ++report.sweeps;
       const bool moved = this->sweep(Watched);
       const bool released = this->release();
-      if (!moved && !released && report.sweeps > Patience)
+      const Progress now = this->progress();
+      idle = released || now.failing < best.failing || now.penalty < best.penalty * (1.0 - 0x1p-6) ? 0 : idle + 1;
+      best = { std::min(best.failing, now.failing), std::min(best.penalty, now.penalty) };
+      if ((!moved && !released && report.sweeps > Patience) || idle == MaxIdleSweeps)
       {
         break;
       }

@@ -18,6 +18,8 @@
 /// untangling, Engineering with Computers 17, 2001, doi:10.1007/s003660170006, squared, with all Bernstein coefficients
 /// in place of the corners' determinants.
 ///
+/// Sweeps end when neither fewer spans fail nor their penalties become smaller for some sweeps.
+///
 /// Where spans linked by moved points do not all become valid, their points are put back, unless fewer fail than before
 /// and only such as did before.
 ///

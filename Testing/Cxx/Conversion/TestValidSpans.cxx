@@ -223,6 +223,12 @@ TEST(ValidSpans, CellsAreJudgedAsTheMeshHasThem)
   conversioncases::convertComplex(converted, options);
   EXPECT_GT(converted.report.spans.left.size(), 0U);
   EXPECT_EQ(converted.report.spans.invalidCells, 0);
+
+  // The wall folds them, whose points are not moved: the repair gives up as soon as nothing becomes better.
+  options.repairSpans = true;
+  conversioncases::convertComplex(converted, options);
+  EXPECT_GT(converted.report.spans.left.size(), 0U);
+  EXPECT_LT(converted.report.spans.sweeps, 40);
 }
 
 // Exact joins are given up where they would make spans invalid; the report says what the spans are.
