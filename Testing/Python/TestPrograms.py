@@ -12,6 +12,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bsv_support import simple, client, demo_mesh, main, messages, update
 
 import openfoam  # the example
+from TestBSplineVolumeWriter import ogrid
 
 VOLUME = simple.CatmullClarkToBSplineVolume(Input=demo_mesh(8), UseCreaseAngle=1)
 WING = simple.CatmullClarkToBSplineVolume(Input=simple.WingFuselageSource(Resolution=3))
@@ -81,6 +82,19 @@ def test_plot3d():
             assert "FATAL" not in text and os.path.exists(os.path.join(folder, "constant", "polyMesh", "faces")), text
 
 
+def smallest_jacobian(volume, folder, **properties):
+    """Gmsh's smallest Jacobian determinant of the volume's curved cells."""
+    write("BSplineVolumeWriter", volume, os.path.join(folder, "a.msh"), **properties)
+    with open(os.path.join(folder, "a.geo"), "w") as file:
+        file.write('Merge "a.msh";\nPlugin(AnalyseMeshQuality).JacobianDeterminant=1;\n'
+                   "Plugin(AnalyseMeshQuality).CreateView=0;\n"
+                   "Plugin(AnalyseMeshQuality).DimensionOfElements=3;\nPlugin(AnalyseMeshQuality).Run;\n")
+    text = run("gmsh", "a.geo", "-nopopup", "-0", folder=folder)
+    found = re.search(r"minJ\s+=\s*(\S+),", text)
+    assert found and "Error" not in text, text
+    return float(found.group(1))
+
+
 def test_gmsh():
     """Gmsh's Jacobians are positive where ours are certified to be."""
     if has("gmsh"):
@@ -88,15 +102,27 @@ def test_gmsh():
         update(quality)
         with tempfile.TemporaryDirectory() as folder:
             for version in ("2.2", "4.1"):
-                write("BSplineVolumeWriter", VOLUME, os.path.join(folder, "a.msh"), GmshVersion=version)
-                with open(os.path.join(folder, "a.geo"), "w") as file:
-                    file.write('Merge "a.msh";\nPlugin(AnalyseMeshQuality).JacobianDeterminant=1;\n'
-                               "Plugin(AnalyseMeshQuality).CreateView=0;\n"
-                               "Plugin(AnalyseMeshQuality).DimensionOfElements=3;\nPlugin(AnalyseMeshQuality).Run;\n")
-                text = run("gmsh", "a.geo", "-nopopup", "-0", folder=folder)
-                found = re.search(r"minJ\s+=\s*(\S+),", text)
-                assert found and "Error" not in text, text
-                assert float(found.group(1)) > 0, text
+                assert smallest_jacobian(VOLUME, folder, GmshVersion=version) > 0
+
+
+def test_block_that_meets_itself():
+    """One block around an axis, right- and left-handed, without names of boundaries."""
+    for source in (ogrid(), ogrid(turned=True)):
+        samples = simple.BSplineVolumeSampler(Input=source, Level=1)
+        with tempfile.TemporaryDirectory() as folder:
+            if has("cgnscheck"):
+                for writer, data in (("HexBlockMeshWriter", samples), ("BSplineVolumeWriter", source)):
+                    path = os.path.join(folder, "a.cgns")
+                    write(writer, data, path)
+                    text = run("cgnscheck", path)
+                    assert "checking complete" in text and not re.search(r"error", text, re.I), text
+            if has("checkMesh"):
+                case = os.path.join(folder, "case")
+                write("HexBlockMeshWriter", samples, os.path.join(case, "a.foam"))
+                openfoam.set_up(case)
+                assert "Mesh OK" in run("checkMesh", folder=case)
+            if has("gmsh"):
+                assert smallest_jacobian(source, folder) > 0
 
 
 if __name__ == "__main__":
