@@ -12,6 +12,7 @@
 #include "Data/NURBSSurfaceData.h"
 #include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
+#include "Execution/MemoryCheck.h"
 #include "Ranks/Ranks.h"
 #include "Wall/BodyFit.h"
 #include "Wall/FacesOnBody.h"
@@ -750,6 +751,16 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     {
       throw bsv::Error("Input is a B-spline volume already; only meshes are converted");
     }
+
+    double controlPoints = 0.0;
+    for (const bsv::MeshBlock& block : mesh.blocks)
+    {
+      const bsv::Ijk& counts = block.points.counts();
+      controlPoints += block.points.isHere() ? (counts[0] + 2.0) * (counts[1] + 2.0) * (counts[2] + 2.0) : 0.0;
+    }
+    // Each has three coordinates and a rule.
+    ranks.together(
+      [&] { bsv::requireMemory(controlPoints * (3 * sizeof(double) + 1), "the volume", "its control points"); });
 
     // The body.
     std::unique_ptr<const bsv::BodySurface> body;

@@ -5,6 +5,7 @@
 #include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
+#include "Execution/MemoryCheck.h"
 #include "Mesh/BlockSurface.h"
 #include "Mesh/MeshCheck.h"
 #include "Ranks/Ranks.h"
@@ -304,6 +305,12 @@ int vtkMirrorHexBlocks::RequestData(
       return;
     }
     bsv::checkFinitePoints(mesh, run);
+    double points = 0.0;
+    for (const bsv::MeshBlock& block : mesh.blocks)
+    {
+      points += block.points.isHere() ? static_cast<double>(block.points.size()) : 0.0;
+    }
+    ranks.together([&] { bsv::requireMemory(2.0 * points * 3.0 * sizeof(double), "the mesh", "it and its image"); });
     std::vector<bsv::BoundaryPatch> onPlane;
     std::vector<bsv::BoundaryPatch> others;
     for (const bsv::BoundaryPatch& patch : mesh.boundaries)

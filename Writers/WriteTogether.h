@@ -3,6 +3,7 @@
 /// How the writers end: on all ranks together, with one message.
 #pragma once
 
+#include "Execution/MemoryCheck.h"
 #include "IO/AtomicFile.h"
 #include "Ranks/Ranks.h"
 
@@ -10,6 +11,7 @@
 #include <vtkErrorCode.h>
 
 #include <exception>
+#include <new>
 #include <string>
 
 namespace bsv
@@ -53,6 +55,11 @@ unsigned long writeTogether(vtkAlgorithm* algorithm, const std::string& fileName
   }
   catch (const Aborted&)
   {
+    return vtkErrorCode::UserError;
+  }
+  catch (const std::bad_alloc&)
+  {
+    raise(outOfMemory().c_str());
     return vtkErrorCode::UserError;
   }
   catch (const std::exception& error)

@@ -7,6 +7,7 @@
 #include "Base/Types.h"
 #include "Base/UTF8.h"
 #include "Execution/ControllerRanks.h"
+#include "Execution/MemoryCheck.h"
 #include "Execution/ReportPace.h"
 #include "Ranks/Ranks.h"
 
@@ -19,6 +20,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -93,12 +95,13 @@ inline void clearOutputs(vtkAlgorithm* algorithm)
 
 /// Runs the body of a filter's RequestData. It may communicate with the other ranks, and is over on all of them when it
 /// is on one: an abort or an error, wherever it happens, leaves all outputs empty everywhere. An error is the text of
-/// the exception, raised once: by `algorithm`, on the first rank.
+/// the exception, raised once: by `algorithm`, on the first rank. std::bad_alloc says how much memory is free.
 /// @param ranks which take part
 /// @return what RequestData returns: 0 after an error, else 1
 template <typename Body>
 int execute(vtkAlgorithm* algorithm, const Ranks& ranks, const Body& body)
 {
+  std::string message;
   try
   {
     ranks.together([&] {
@@ -108,22 +111,28 @@ int execute(vtkAlgorithm* algorithm, const Ranks& ranks, const Body& body)
         throw Aborted();
       }
     });
+    return 1;
   }
   catch (const Aborted&)
   {
     clearOutputs(algorithm);
+    return 1;
+  }
+  catch (const std::bad_alloc&)
+  {
+    message = outOfMemory();
   }
   catch (const std::exception& error)
   {
-    clearOutputs(algorithm);
-    if (ranks.rank() == 0)
-    {
-      vtkErrorWithObjectMacro(algorithm, << validUTF8(error.what()));
-    }
-    silenceFailure(algorithm);
-    return 0;
+    message = validUTF8(error.what());
   }
-  return 1;
+  clearOutputs(algorithm);
+  if (ranks.rank() == 0)
+  {
+    vtkErrorWithObjectMacro(algorithm, << message);
+  }
+  silenceFailure(algorithm);
+  return 0;
 }
 
 /// The same on all ranks of the global controller.

@@ -525,7 +525,7 @@ std::string otherKindOfText(InputFile& file, Index values)
       {
         ListReader reader(file);
         const int blocks = multiBlock ? reader.integer() : 1;
-        Index needed = (multiBlock ? 1 : 0) + saturatingProduct(kind.counts, blocks);
+        Index needed = saturatingSum(multiBlock ? 1 : 0, saturatingProduct(kind.counts, blocks));
         bool possible = blocks >= 1 && needed < values;
         for (int b = 0; possible && b < blocks; ++b)
         {
