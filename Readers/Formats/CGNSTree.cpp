@@ -142,6 +142,10 @@ private:
   {
     int link = 0;
     this->check(cgio_is_link(this->File, node, &link), path);
+    if (link < 0)
+    {
+      this->fail(path, "the node is a link with a name of " + std::to_string(link) + " characters");
+    }
     if (link > 0)
     {
       return;

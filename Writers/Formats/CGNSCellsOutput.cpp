@@ -57,8 +57,9 @@ public:
     }
   }
 
-  /// The nodes that are met first in a block.
-  void nodes(int block, const std::vector<double>& positions) const
+  /// The nodes that are met first in a block. @param pause called in between
+  template <typename Pause>
+  void nodes(int block, const std::vector<double>& positions, const Pause& pause) const
   {
     static constexpr const char* Axes[3] = { "CoordinateX", "CoordinateY", "CoordinateZ" };
     const cgsize_t first = static_cast<cgsize_t>(this->Cells.numbers().firstOf(block)) + 1;
@@ -66,6 +67,7 @@ public:
     std::vector<double> values(positions.size() / 3);
     for (int c = 0; c < 3 && last >= first; ++c)
     {
+      pause();
       for (std::size_t n = 0; n < values.size(); ++n)
       {
         values[n] = positions[3 * n + c];
@@ -190,9 +192,10 @@ void writeCGNSCells(
   for (int b = 0; b < cells.blockCount(); ++b)
   {
     const int owner = cells.volume().volumes[b].rank;
+    const double done = 0.8 * static_cast<double>(cells.firstCell(b)) / (static_cast<double>(cells.cellCount()) + 1.0);
     std::vector<double> values;
     ranks.together([&] {
-      run.report(0.8 * static_cast<double>(cells.firstCell(b)) / (static_cast<double>(cells.cellCount()) + 1.0));
+      run.report(done);
       if (owner == ranks.rank())
       {
         Execution quiet = run;
@@ -209,7 +212,7 @@ void writeCGNSCells(
     ranks.together([&] {
       if (writer)
       {
-        writer->nodes(b, values);
+        writer->nodes(b, values, [&] { run.report(done); });
       }
     });
   }
