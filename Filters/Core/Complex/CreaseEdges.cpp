@@ -66,6 +66,9 @@ void checkCreaseLine(const BlockMesh& mesh, int n)
 
 /// How much narrower than its neighbours the strip of one cell at a blunt edge is.
 constexpr double StripWidth = 0.25;
+/// Degrees by which both edges of a strip turn that is the base of a blunt edge however wide it is: no round edge turns
+/// by twice as much in a single cell.
+constexpr double BluntTurn = 75.0;
 
 /// Angle between two normals, degrees.
 double turnBetween(const Vec3& a, const Vec3& b)
@@ -356,7 +359,8 @@ private:
       for (int n = 0; n < 2; ++n)
       {
         // Of a strip of one cell between two sharp edges, each is judged by its other side.
-        const bool strip = sides[n].narrow && sides[n].turn > contrast * sides[n].beyond &&
+        const bool blunt = sides[n].narrow || std::min(candidate.angle, sides[n].turn) > BluntTurn;
+        const bool strip = blunt && sides[n].turn > contrast * sides[n].beyond &&
           candidate.angle > contrast * sides[1 - n].turn && sides[n].known && sides[1 - n].known;
         if (sides[n].known && !strip)
         {

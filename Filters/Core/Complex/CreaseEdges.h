@@ -65,8 +65,8 @@ BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions&
 /// - on the body, if CreaseRules::bodyTurn is given: where the body itself turns by more than that;
 /// - elsewhere where the surface turns CreaseRules::contrast times as much as at the next mesh edges on
 ///   both sides, along the mesh lines that cross the edge. A side that is a block face of one cell says nothing, nor
-///   does a strip of one cell, less than a quarter as wide as its neighbours, between two edges that are sharp seen
-///   from their other sides: the base of a blunt edge.
+///   does a strip of one cell between two edges that are sharp seen from their other sides, if it is less than a
+///   quarter as wide as its neighbours or both edges turn by more than 75 degrees: the base of a blunt edge.
 /// Edges within CreaseAngleMargin of the angle, or within CreaseContrastMargin of the contrast, are smooth, and
 /// counted.
 class CreaseEdges

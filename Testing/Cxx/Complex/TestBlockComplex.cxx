@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The block complex: topology known from the geometry, independence of numbering, orientation and distribution over
 /// ranks, cuts, welding and refusals.
+#include "Base/Numbers.h"
 #include "Complex/BlockComplex.h"
 #include "Complex/CreaseEdges.h"
 #include "Complex/EntityClass.h"
@@ -763,6 +764,73 @@ TEST(BlockComplex, CreasesStandOut)
         EXPECT_EQ(sharp, base > 0.0 ? 6 : 3) << half << ' ' << base;
         EXPECT_EQ(nose, 0) << half << ' ' << base;
       }
+    }
+  }
+}
+
+/// Wings with 8 to 32 cells around the nose: the edges of the nose are no creases, those of a trailing edge are, if it
+/// is sharp or blunt. One that is rounded by a half circle of a few cells is round.
+TEST(BlockComplex, NosesAndTrailingEdges)
+{
+  struct End
+  {
+    const char* name;
+    double base; ///< half its thickness
+    int cells;   ///< across it
+    int creases; ///< mesh lines along the span
+  };
+  const End ends[] = { { "sharp", 0.0, 0, 1 }, { "blunt", 0.01, 1, 2 }, { "blunt, four cells", 0.01, 4, 2 },
+    { "rounded by two cells", 0.01, 2, 0 }, { "rounded by four cells", 0.01, 4, 0 },
+    { "rounded by eight cells", 0.01, 8, 0 } };
+  for (const int nose : { 8, 16, 32 })
+  {
+    for (const End& end : ends)
+    {
+      // From the upper end to the nose, around it in steps of the same parameter, to the lower end, and back across it.
+      constexpr int Side = 10;
+      constexpr double NoseLength = 0.03;
+      const auto thickness = [&](double x) { return 0.15 * (std::sqrt(x) - x) + end.base * x; };
+      std::vector<std::array<double, 2>> profile;
+      for (int i = 0; i <= 2 * Side + nose; ++i)
+      {
+        const int k = i < Side ? Side - i : i > Side + nose ? i - Side - nose : 0;
+        const double s = k > 0 ? 0.0 : 2.0 * (i - Side) / nose - 1.0;
+        const double x =
+          k > 0 ? NoseLength + (1.0 - NoseLength) * 0.5 * (1.0 - std::cos(Pi * k / Side)) : NoseLength * s * s;
+        const bool upper = i < Side || (k == 0 && s < 0.0);
+        profile.push_back({ x, (upper ? 1.0 : -1.0) * thickness(x) });
+      }
+      const bool rounded = std::string(end.name).find("rounded") == 0;
+      for (int i = 1; i < end.cells; ++i)
+      {
+        const double angle = Pi * (double(i) / end.cells - 0.5);
+        profile.push_back({ rounded ? 1.0 + end.base * std::cos(angle) : 1.0,
+          end.base * (rounded ? std::sin(angle) : 2.0 * i / end.cells - 1.0) });
+      }
+      if (end.cells == 0)
+      {
+        profile.pop_back();
+      }
+      const int around = static_cast<int>(profile.size());
+      MeshCase mesh;
+      mesh.add({ around, 4, 3 }, [&](const Ijk& p) {
+        const std::array<double, 2>& foot = profile[p[0] % around];
+        const double angle = 2.0 * Pi * (p[0] % around) / around, w = p[1] / 4.0;
+        return Vec3((1.0 - w) * foot[0] + w * (0.5 + 3.0 * std::cos(angle)),
+          (1.0 - w) * foot[1] + w * 3.0 * std::sin(angle), p[2]);
+      });
+      const Creased found = creased(mesh.mesh(), 30.0);
+      int sharp = 0, others = 0;
+      for (const TurningEdge& edge : found.turning)
+      {
+        const Vec3 middle = 0.5 * (edge.ends[0] + edge.ends[1]);
+        if (edge.crease && std::abs(edge.ends[0][2] - edge.ends[1][2]) > 0.5 && middle.head<2>().norm() < 1.5)
+        {
+          ++(middle[0] > 0.99 ? sharp : others);
+        }
+      }
+      EXPECT_EQ(sharp, 3 * end.creases) << nose << " cells, " << end.name;
+      EXPECT_EQ(others, 0) << nose << " cells, " << end.name;
     }
   }
 }
