@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -112,33 +113,88 @@ WallDistances wallDistances(
 namespace
 {
 
+/// The point of the nearest edge of the body, if a crease or border of the wall follows it: its place is hardly farther
+/// from that than from the surface. `spacing`: the local edge length.
+std::optional<Vec3> edgeToFollow(const BodySurface& body, const Vec3& point, const BodyPoint& closest, double spacing)
+{
+  constexpr double Near = 0.05;
+  const BodyPoint edge = body.closestEdgePoint(point);
+  return edge.patch >= 0 && edge.distance <= closest.distance + Near * spacing
+    ? std::optional<Vec3>(edge.geometry.point)
+    : std::nullopt;
+}
+
 /// Least squares between the mesh points: each point moves by the mean, weighted by its B-spline, of what the samples
 /// around are off the body along its normals, which is 0 at the minimum (progressive-iterative approximation, Deng and
-/// Lin 2014); accelerated as in fitBody. Closest points are found anew in each round.
+/// Lin 2014); accelerated as in fitBody. Closest points are found anew in each round. Creases and borders are fitted as
+/// curves: to an edge of the body that they follow, in both directions across it, else along the normals.
 void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& wall, const std::vector<Vec3>& given,
   const BodySurface& body, const std::vector<Vec3>& target, const Execution& run, std::vector<Vec3>& x,
   BodyFitReport& report)
 {
-  constexpr int Rounds = 3, Steps = 60;
+  // Points slide along the body slowly: the normals around them differ little.
+  constexpr int Rounds = 12, Steps = 150;
   // Of the averaging: from the highest to the lowest frequency on the mesh.
-  constexpr double Least = 0.02, Most = 1.05;
+  constexpr double Least = 0.003, Most = 1.05;
   constexpr double Center = 0.5 * (Most + Least), HalfWidth = 0.5 * (Most - Least);
   const WallSamples samples(complex, rows, wall, given);
   const Index count = wall.size();
   std::vector<Vec3> best = x;
+  double before = 0.0;
   for (int round = 0; round <= Rounds; ++round)
   {
     const std::vector<Vec3> at = samples.evaluate(x, run);
-    using Foot = std::array<double, 6>;
-    const std::vector<Foot> feet = sharedOut<Foot>(samples.size(), 256, run, [&](Index i) {
+    // Sample i of a curve lies between the first and the last one of its span.
+    const auto firstOf = [&](Index i) { return i - (i - samples.firstOnCurves()) % WallSamples::PerSpan; };
+    const auto tangentAt = [&](Index i) { return Vec3(at[firstOf(i) + WallSamples::PerSpan - 1] - at[firstOf(i)]); };
+    using Foot = std::array<double, 10>; // closest point, its normal, point of an edge, whether there is one
+    std::vector<Foot> feet = sharedOut<Foot>(samples.size(), 256, run, [&](Index i) {
       const BodyPoint closest = body.closestPoint(at[i]);
       const Vec3 &y = closest.geometry.point, &n = closest.geometry.normal;
-      return Foot{ y[0], y[1], y[2], n[0], n[1], n[2] };
+      Foot foot{ y[0], y[1], y[2], n[0], n[1], n[2], 0.0, 0.0, 0.0, 0.0 };
+      if (i >= samples.firstOnCurves())
+      {
+        const double spacing = tangentAt(i).norm() * WallSamples::PerSpan / (WallSamples::PerSpan - 1);
+        if (const std::optional<Vec3> edge = edgeToFollow(body, at[i], closest, spacing))
+        {
+          std::copy_n(edge->data(), 3, foot.data() + 6);
+          foot[9] = 1.0;
+        }
+      }
+      return foot;
     });
+    // Along an edge that is followed its points advance with the samples: not where a curve crosses it.
+    for (Index first = samples.firstOnCurves(); first < samples.size(); first += WallSamples::PerSpan)
+    {
+      const Foot& from = feet[first];
+      const Foot& to = feet[first + WallSamples::PerSpan - 1];
+      const Vec3 tangent = tangentAt(first);
+      bool follows = (Vec3(to.data() + 6) - Vec3(from.data() + 6)).dot(tangent) > 0.5 * tangent.squaredNorm();
+      for (Index i = first; i < first + WallSamples::PerSpan; ++i)
+      {
+        follows = follows && feet[i][9] > 0.0;
+      }
+      const Vec3 direction = tangent.normalized();
+      for (Index i = first; i < first + WallSamples::PerSpan; ++i)
+      {
+        feet[i][9] = follows ? 1.0 : 0.0;
+        if (follows)
+        {
+          std::copy_n(feet[i].data() + 6, 3, feet[i].data());
+          std::copy_n(direction.data(), 3, feet[i].data() + 3);
+        }
+      }
+    }
+    // What a sample is off across the edge that it follows, or along the normal.
+    const auto offOf = [&](Index i, const Vec3& x) {
+      const Vec3 difference = Vec3(feet[i].data()) - x, direction(feet[i].data() + 3);
+      const Vec3 along = direction.dot(difference) * direction;
+      return feet[i][9] > 0.0 ? Vec3(difference - along) : along;
+    };
     double largest = 0.0, squares = 0.0;
     for (Index i = 0; i < samples.size(); ++i)
     {
-      const double distance = (at[i] - Vec3(feet[i].data())).norm();
+      const double distance = offOf(i, at[i]).norm();
       largest = std::max(largest, distance);
       squares += distance * distance;
     }
@@ -154,7 +210,10 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
       report.sampleRms[1] = rms;
       report.sampleDistance[1] = largest;
     }
-    if (round == Rounds)
+    // Where hardly anything changes any more, no further round.
+    const bool settled = round > 0 && std::abs(rms - before) <= 0.01 * before;
+    before = rms;
+    if (round == Rounds || settled)
     {
       break;
     }
@@ -166,8 +225,7 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
       std::vector<Vec3> off = samples.evaluate(x, run);
       for (Index i = 0; i < samples.size(); ++i)
       {
-        const Vec3 n(feet[i].data() + 3);
-        off[i] = n.dot(Vec3(feet[i].data()) - off[i]) * n;
+        off[i] = offOf(i, off[i]);
       }
       const std::vector<Vec3> mean = samples.average(off, count, run);
       const double next = 1.0 / (2.0 * Center / HalfWidth - rho);
@@ -256,11 +314,9 @@ WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversio
       if (rows.onFeature(i))
       {
         // Where the mesh follows an edge of the body, so do its limit points.
-        constexpr double Near = 0.05;
-        const BodyPoint edge = options.body->closestEdgePoint(point);
-        if (edge.patch >= 0 && edge.distance <= closest.distance + Near * rows.spacing(i, given))
+        if (const auto edge = edgeToFollow(*options.body, point, closest, rows.spacing(i, given)))
         {
-          return triple(edge.geometry.point);
+          return triple(*edge);
         }
       }
       return triple(options.edgesOnly ? point : closest.geometry.point);

@@ -25,6 +25,9 @@ public:
   /// Whether the point lies on a crease, a border of the wall or at a corner.
   bool onFeature(Index id) const { return this->Rows[id].kind != Kind::Tensor && this->Rows[id].kind != Kind::Ring; }
 
+  /// Whether a crease or border passes through the point as a smooth curve.
+  bool isCurve(Index id) const { return this->Rows[id].kind == Kind::Curve; }
+
   /// The points around an extraordinary vertex, inside the wall: next ones, then diagonals. Empty at all other points.
   const std::vector<Index>& ring(Index id) const;
   /// Where creases or borders meet inside the wall so that points beside them do not follow the regular rule: the same,

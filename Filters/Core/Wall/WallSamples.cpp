@@ -120,9 +120,29 @@ WallSamples::WallSamples(
       }
     }
   }
+  this->FirstOnCurves = this->Count;
+  this->OnCurve.assign(wall.size(), false);
+  for (Face& face : this->Faces)
+  {
+    for (int side = 0; side < 4; ++side)
+    {
+      const int cells = face.sideCells(side);
+      if (cells < 2 || !rows.isCurve(face.sideId(side, 1)))
+      {
+        continue;
+      }
+      face.curves[side] = this->Count;
+      this->Count += cells * PerSpan;
+      for (int k = 0; k <= cells; ++k)
+      {
+        const Index id = face.sideId(side, k);
+        this->OnCurve[id] = rows.isCurve(id);
+      }
+    }
+  }
   for (Index i = 0; i < wall.size(); ++i)
   {
-    this->Free[i] = !rows.onFeature(i) && spans[i] > 0;
+    this->Free[i] = this->OnCurve[i] || (!rows.onFeature(i) && spans[i] > 0);
   }
   for (Index i = 0; i < wall.size(); ++i)
   {
@@ -217,6 +237,22 @@ std::vector<Vec3> WallSamples::evaluate(const std::vector<Vec3>& x, const Execut
           }
         }
       }
+      for (int side = 0; side < 4; ++side)
+      {
+        for (int i = 0; i < PerSpan * face.sideCells(side) && face.curves[side] >= 0; ++i)
+        {
+          const int span = i / PerSpan;
+          const std::array<double, 4>& basis = (side < 2 ? alongS : alongT)[span][i % PerSpan];
+          Vec3 sum = Vec3::Zero();
+          for (int a = 0; a < 4; ++a)
+          {
+            const int s = side < 2 ? span + a : side == 2 ? 0 : face.ns + 2;
+            const int t = side >= 2 ? span + a : side == 0 ? 0 : face.nt + 2;
+            sum += basis[a] * net[s + std::size_t(face.ns + 3) * t];
+          }
+          samples[face.curves[side] + i] = sum;
+        }
+      }
     }
   });
   return samples;
@@ -243,11 +279,34 @@ std::vector<Vec3> WallSamples::average(const std::vector<Vec3>& values, Index po
             {
               for (int a = std::max(0, 1 - s); a < 4 && s - 1 + a <= face.ns; ++a)
               {
-                const double weight = alongS[a] * alongT[b];
-                auto& part = parts[f][s - 1 + a + std::size_t(face.ns + 1) * (t - 1 + b)];
-                part.first += weight * values[first + q];
-                part.second += weight;
+                const std::size_t place = s - 1 + a + std::size_t(face.ns + 1) * (t - 1 + b);
+                if (!this->OnCurve[face.ids[place]])
+                {
+                  const double weight = alongS[a] * alongT[b];
+                  parts[f][place].first += weight * values[first + q];
+                  parts[f][place].second += weight;
+                }
               }
+            }
+          }
+        }
+      }
+      for (int side = 0; side < 4; ++side)
+      {
+        const int cells = face.sideCells(side);
+        for (int i = 0; i < PerSpan * cells && face.curves[side] >= 0; ++i)
+        {
+          const int span = i / PerSpan;
+          const std::array<double, 4> weights = uniformBasis(i % PerSpan);
+          for (int a = std::max(0, 1 - span); a < 4 && span - 1 + a <= cells; ++a)
+          {
+            const int k = span - 1 + a;
+            const std::size_t place = side < 2 ? k + std::size_t(face.ns + 1) * (side == 0 ? 0 : face.nt)
+                                               : (side == 2 ? 0 : face.ns) + std::size_t(face.ns + 1) * k;
+            if (this->OnCurve[face.ids[place]])
+            {
+              parts[f][place].first += weights[a] * values[face.curves[side] + i];
+              parts[f][place].second += weights[a];
             }
           }
         }

@@ -617,10 +617,62 @@ TEST(ExactG1, LeastSquaresIsCloserThanInterpolation)
   }
 }
 
+// Borders of the wall are fitted between their mesh points, too: as curves, whatever the numbering.
+TEST(ExactG1, LeastSquaresFitsBorders)
+{
+  const BodySurface body(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  const auto largestOnBorders = [&](unsigned seed, bool leastSquares) {
+    MeshCase mesh = starMesh(Cube, 8, { 1.0, 1.1, 1.25 });
+    mesh.blocks.resize(1);
+    mesh.boundaries.resize(1);
+    if (seed > 0)
+    {
+      meshcases::shuffle(mesh, seed);
+    }
+    const ConversionOptions options = exact(&body);
+    BodyFitOptions fit;
+    fit.body = &body;
+    fit.leastSquares = leastSquares;
+    Converted converted;
+    converted.complex = buildBlockComplex(mesh.mesh());
+    fitBody(converted.complex, options, fit);
+    conversioncases::convertComplex(converted, options);
+    double largest = 0.0;
+    for (const ComplexFace& face : converted.complex.faces)
+    {
+      if (face.uses.front().block != 0 || face.tag != 0)
+      {
+        continue;
+      }
+      const FaceAt at{ converted.volumes[0], face.uses.front() };
+      for (int side = 0; side < 4; ++side)
+      {
+        const int axis = side / 2;
+        // At corners the curve ends with curvature 0.
+        for (int i = 20; i <= 60; ++i)
+        {
+          const double along = at.length(axis) * i / 80.0, across = side % 2 ? at.length(1 - axis) : 0.0;
+          const Vec3 x = evaluate(at.volume, axis == 0 ? at.at(along, across) : at.at(across, along));
+          largest = std::max(largest, body.closestPoint(x).distance);
+        }
+      }
+    }
+    return largest;
+  };
+  const double through = largestOnBorders(0, false), between = largestOnBorders(0, true);
+  EXPECT_GT(through, 0.0);
+  EXPECT_LT(between, 0.6 * through);
+  EXPECT_NEAR(largestOnBorders(2, true), between, 1e-12);
+  std::printf("borders off by %.2e through their mesh points, %.2e between them\n", through, between);
+}
+
 // The samples that the fit sees are those of the converted wall.
 TEST(ExactG1, SamplesAreThoseOfTheConvertedWall)
 {
-  MeshCase mesh = starMesh(Tromino, 5, { 1.0, 1.1, 1.25 });
+  MeshCase mesh = starMesh(Cube, 5, { 1.0, 1.1, 1.25 });
+  // With borders.
+  mesh.blocks.resize(3);
+  mesh.boundaries.resize(3);
   ConversionOptions options = exact();
   options.continuity = Continuity::SingleKnots;
   const Converted converted = conversioncases::convert(mesh.mesh(), options);
@@ -639,6 +691,12 @@ TEST(ExactG1, SamplesAreThoseOfTheConvertedWall)
         places.push_back(
           evaluate(volume, Vec3((i + 0.5) / WallSamples::PerSpan, (j + 0.5) / WallSamples::PerSpan, 0.0)));
       }
+      for (const double side : { 0.0, 5.0 })
+      {
+        const double along = (j + 0.5) / WallSamples::PerSpan;
+        places.push_back(evaluate(volume, Vec3(along, side, 0.0)));
+        places.push_back(evaluate(volume, Vec3(side, along, 0.0)));
+      }
     }
   }
   double worst = 0.0;
@@ -651,6 +709,7 @@ TEST(ExactG1, SamplesAreThoseOfTheConvertedWall)
     }
     worst = std::max(worst, nearest);
   }
-  EXPECT_GT(samples.size(), 0);
+  EXPECT_GT(samples.firstOnCurves(), 0);
+  EXPECT_GT(samples.size(), samples.firstOnCurves());
   EXPECT_LE(worst, 1e-13);
 }
