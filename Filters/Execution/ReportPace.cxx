@@ -82,7 +82,8 @@ void pausedFor(Index count, Index grain, const Execution::Body& body, const std:
     const Index end = count - begin <= part ? count : begin + part;
     const double start = pace.now();
     rangesFor(begin, end, grain, body);
-    const double factor = pace.interval / std::max(pace.now() - start, pace.interval / 16.0);
+    // Not much more than before: the next ranges may cost more.
+    const double factor = std::min(4.0, pace.interval / std::max(pace.now() - start, pace.interval / 16.0));
     const double wanted = factor * static_cast<double>((end - begin) / grain) * static_cast<double>(grain);
     part = wanted >= static_cast<double>(count) ? count : std::max(least, static_cast<Index>(wanted) / least * least);
     begin = end;
