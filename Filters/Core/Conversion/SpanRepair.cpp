@@ -36,7 +36,7 @@ constexpr double LongestStep = 0.15;
 constexpr int Patience = 3;
 /// Sweeps without progress after which there is none to be expected: fewer failing spans than ever, or a penalty of all
 /// that is smaller than ever by a part of 1 / 64.
-constexpr int MaxIdleSweeps = 12;
+constexpr int MaxIdleSweeps = 12, MaxIdleUntanglingSweeps = 60;
 constexpr int MaxSweeps = 60, MaxUntanglingSweeps = 300, MaxFinalSweeps = 15;
 
 class Repair
@@ -221,6 +221,7 @@ private:
     const int most = this->Context.options.untangle ? MaxUntanglingSweeps : MaxSweeps;
     Progress best;
     int idle = 0;
+    const int mostIdle = this->Context.options.untangle ? MaxIdleUntanglingSweeps : MaxIdleSweeps;
     while (report.sweeps < most && this->anyFails())
     {
       this->Group.together([&] { this->Run.report(0.95); });
@@ -230,7 +231,7 @@ private:
       const Progress now = this->progress();
       idle = released || now.failing < best.failing || now.penalty < best.penalty * (1.0 - 0x1p-6) ? 0 : idle + 1;
       best = { std::min(best.failing, now.failing), std::min(best.penalty, now.penalty) };
-      if ((!moved && !released && report.sweeps > Patience) || idle == MaxIdleSweeps)
+      if ((!moved && !released && report.sweeps > Patience) || idle == mostIdle)
       {
         break;
       }
