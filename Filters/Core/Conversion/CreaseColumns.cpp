@@ -127,8 +127,12 @@ std::vector<Foot> feetOfCrease(const BlockComplex& complex, int edge, const Edge
 std::vector<Foot> feetOfMeeting(
   const BlockComplex& complex, const FaceKeeps& keeps, int edge, const EdgeFan& fan, int spoke)
 {
+  // The outer boundary has rules of its own.
+  const ComplexEdge& shared = complex.edges[edge];
+  const int first = complex.vertices[shared.vertices[0]].boundary ? 1 : 0;
+  const int last = shared.cells - (complex.vertices[shared.vertices[1]].boundary ? 1 : 0);
   std::vector<Foot> feet;
-  for (int k = 0; k <= complex.edges[edge].cells; ++k)
+  for (int k = first; k <= last; ++k)
   {
     std::vector<bool> kept;
     double keep = 0.0;

@@ -16,8 +16,8 @@
 /// Where more than two blocks meet at a crease, several faces rise from it. delta of each is that of the mask from the
 /// face before to the one behind, A_f the areas beside it, and two such faces must not lean into the block between
 /// them: with up = the step along the face, depths are also measured by |(up x along) . delta|. At a corner of the
-/// surface the columns of several creases meet in an inner edge, whose points they keep; the other faces at that edge
-/// then rise from it in the same way, by weights multiplied by that of the edge's point.
+/// surface the columns of several creases meet in an inner edge, whose inner points they keep; the other faces at that
+/// edge then rise from it in the same way, by weights multiplied by that of the edge's point.
 #pragma once
 
 #include "Conversion/EntityRules.h"
