@@ -195,7 +195,10 @@ void bsvActions::controlPoints()
   vtkSMPropertyHelper(display, "PointSize").Set(5);
   vtkSMPropertyHelper(display, "RenderPointsAsSpheres").Set(1);
   display->UpdateVTKObjects();
-  vtkSMPVRepresentationProxy::SetScalarColoring(display, "ControlPointRule", vtkDataObject::POINT);
-  vtkSMPVRepresentationProxy::SetScalarBarVisibility(display, view->getViewProxy(), true);
+  if (auto* colored = vtkSMPVRepresentationProxy::SafeDownCast(display))
+  {
+    colored->SetScalarColoring("ControlPointRule", vtkDataObject::POINT);
+    colored->SetScalarBarVisibility(view->getViewProxy(), true);
+  }
   view->render();
 }

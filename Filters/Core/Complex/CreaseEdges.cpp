@@ -66,9 +66,9 @@ void checkCreaseLine(const BlockMesh& mesh, int n)
 
 /// How much narrower than its neighbours the strip of one cell at a blunt edge is.
 constexpr double StripWidth = 0.25;
-/// Degrees by which both edges of a strip turn that is the base of a blunt edge however wide it is: no round edge turns
-/// by twice as much in a single cell.
-constexpr double BluntTurn = 75.0;
+/// Degrees by which both edges of a strip turn that is the base of a blunt edge however wide it is: that of a wedge of
+/// up to 20 degrees. No round edge turns by twice as much in a single cell.
+constexpr double BluntTurn = 80.0;
 
 /// Angle between two normals, degrees.
 double turnBetween(const Vec3& a, const Vec3& b)

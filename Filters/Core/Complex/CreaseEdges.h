@@ -66,7 +66,7 @@ BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions&
 /// - elsewhere where the surface turns CreaseRules::contrast times as much as at the next mesh edges on
 ///   both sides, along the mesh lines that cross the edge. A side that is a block face of one cell says nothing, nor
 ///   does a strip of one cell between two edges that are sharp seen from their other sides, if it is less than a
-///   quarter as wide as its neighbours or both edges turn by more than 75 degrees: the base of a blunt edge.
+///   quarter as wide as its neighbours or both edges turn by more than 80 degrees: the base of a blunt edge.
 /// Edges within CreaseAngleMargin of the angle, or within CreaseContrastMargin of the contrast, are smooth, and
 /// counted.
 class CreaseEdges
