@@ -333,6 +333,9 @@ def test_file_dialogs():
 def test_help():
     """Every proxy has a page in the plugin's help, on which every property says what it is."""
     pages = {}
+    if not os.path.exists(os.path.join(HELP, "BSplineVolume.qch")) and (5, 12) <= simple.GetParaViewVersion() < (6, 0):
+        print("no help pages: ParaView 5.12 and 5.13 with Qt 6 cannot build those of a plugin; the panel has the texts")
+        return
     with contextlib.closing(sqlite3.connect(os.path.join(HELP, "BSplineVolume.qch"))) as archive:
         for name, content in archive.execute("select Name, Data from FileNameTable join FileDataTable on FileId = Id "
                                              "where Name like '%.html'"):
