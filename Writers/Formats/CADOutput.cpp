@@ -42,6 +42,7 @@ void writeCAD(
 #include <STEPControl_Controller.hxx>
 #include <STEPControl_Writer.hxx>
 #include <Standard_Failure.hxx>
+#include <Standard_Version.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
@@ -564,8 +565,8 @@ void checkWritten(bool good, const char* format)
   }
 }
 
-void writeSTEP(const Sewing& sewing, const std::vector<std::string>& names, const char* unit, const std::string& name,
-  OpenCASCADESession& session, AtomicFile& file)
+void writeSTEP(const Sewing& sewing, const std::vector<std::string>& names, const char* unit, double metres,
+  const std::string& name, OpenCASCADESession& session, AtomicFile& file)
 {
   STEPControl_Controller::Init();
   session.set("write.step.unit", unit);
@@ -574,6 +575,13 @@ void writeSTEP(const Sewing& sewing, const std::vector<std::string>& names, cons
   session.set("write.step.schema", "AP214IS");
   session.set("write.surfacecurve.mode", 1);
   STEPControl_Writer writer;
+#if OCC_VERSION_HEX >= 0x070700
+  // The model keeps its units itself, in millimetres.
+  writer.Model()->SetLocalLengthUnit(1000.0 * metres);
+  writer.Model()->SetWriteLengthUnit(1000.0 * metres);
+#else
+  (void)metres;
+#endif
   checkWritten(writer.Transfer(sewing.shape(), STEPControl_ShellBasedSurfaceModel) == IFSelect_RetDone, "STEP");
 
   StepNames tokens;
@@ -701,7 +709,7 @@ void writeCAD(const SurfacesToWrite& surfaces, CADFormat format, double metres, 
     const Sewing sewing(surfaces);
     if (format == CADFormat::STEP)
     {
-      writeSTEP(sewing, names, unit, validUTF8(name), session, file);
+      writeSTEP(sewing, names, unit, metres, validUTF8(name), session, file);
     }
     else
     {
