@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/HexMeshData.h"
 
+#include "Base/ProgressPart.h"
 #include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
 #include "Mesh/BlockSurface.h"
@@ -295,14 +296,18 @@ public:
     return "cell " + std::to_string(cell - leaf.firstCell) + (this->Leaves.size() > 1 ? " of '" + leaf.name + "'" : "");
   }
 
+  std::string pointName(Index point) const
+  {
+    const HexLeaf& leaf = this->leafOf(point, &HexLeaf::firstPoint);
+    return "point " + std::to_string(point - leaf.firstPoint) +
+      (this->Leaves.size() > 1 ? " of '" + leaf.name + "'" : "");
+  }
+
   const HexLeaf& leafOf(Index number, Index HexLeaf::*first) const
   {
-    std::size_t n = 0;
-    while (n + 1 < this->Leaves.size() && this->Leaves[n + 1].*first <= number)
-    {
-      ++n;
-    }
-    return this->Leaves[n];
+    const auto behind = std::upper_bound(this->Leaves.begin(), this->Leaves.end(), number,
+      [&](Index value, const HexLeaf& leaf) { return value < leaf.*first; });
+    return *std::prev(behind);
   }
 
   std::vector<std::string> notes;
@@ -770,10 +775,8 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
   Collector collector(options, mesh);
   HexMeshReport report;
   const auto part = [&](double from, double to) {
-    Execution result = run;
+    Execution result = progressPart(run, from, to);
     result.ranks = aloneRank();
-    result.progress = [progress = run.progress, from, to](
-                        double fraction) { return progress(from + fraction * (to - from)); };
     return result;
   };
   ranks.together([&] {
@@ -807,6 +810,8 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
     mesh.cellName = [&](Index cell) {
       return several ? "cell " + std::to_string(collector.cellNumbers()[cell]) : collector.cellName(cell);
     };
+    mesh.pointName = [&](
+                       Index point) { return several ? "point " + std::to_string(point) : collector.pointName(point); };
     BaseComplex complex = baseComplex(mesh, options.complex, part(0.1, 0.8));
     std::vector<HexId>().swap(mesh.corners);
 

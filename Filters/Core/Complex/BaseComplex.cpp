@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Complex/BaseComplex.h"
 
+#include "Base/ProgressPart.h"
 #include "Complex/HexDecomposition.h"
+#include "Complex/HexNumbering.h"
 
 namespace bsv
 {
 
 BaseComplex HexDecomposition::decompose()
 {
-  this->Neighbours = findNeighbours(this->Mesh, this->Options.neighbours, this->part(0.0, 0.5));
+  this->Neighbours = findNeighbours(this->Mesh, this->Options.neighbours, progressPart(this->Run, 0.0, 0.5));
   this->Result.notes = std::move(this->Neighbours.notes);
   this->Result.warnings = std::move(this->Neighbours.warnings);
   const std::size_t faces = 6 * static_cast<std::size_t>(this->Mesh.cellCount());
@@ -81,7 +83,14 @@ BaseComplex baseComplex(HexMesh& mesh, const BaseComplexOptions& options, const 
   {
     return {};
   }
-  return HexDecomposition(mesh, options, run).decompose();
+  if (!isScattered(mesh))
+  {
+    return HexDecomposition(mesh, options, run).decompose();
+  }
+  HexNumbering numbering(mesh, progressPart(run, 0.0, 0.2));
+  BaseComplex result = HexDecomposition(numbering.mesh(), options, progressPart(run, 0.2, 1.0)).decompose();
+  numbering.restore(result.blocks, run);
+  return result;
 }
 
 } // namespace bsv

@@ -56,7 +56,7 @@ struct BaseComplex
   std::vector<std::string> warnings;
 };
 
-/// Finds the blocks. The points of `mesh` that were merged have one number afterwards.
+/// Finds the blocks. The corners of `mesh` are used up.
 ///
 /// Right-handed blocks where the cells' volumes say so.
 ///

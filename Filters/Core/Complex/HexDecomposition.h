@@ -59,14 +59,6 @@ public:
   BaseComplex decompose();
 
 private:
-  Execution part(double from, double to) const
-  {
-    Execution result = this->Run;
-    const auto progress = this->Run.progress;
-    result.progress = [=](double fraction) { return progress(from + fraction * (to - from)); };
-    return result;
-  }
-
   Vec3 point(HexId id) const { return this->Mesh.points.atOffset(id); }
   HexId corner(HexId cell, int corner) const { return this->Mesh.corners[8 * Index(cell) + corner]; }
 

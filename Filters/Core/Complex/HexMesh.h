@@ -42,6 +42,8 @@ struct HexMesh
   std::function<int(const std::array<HexId, 4>&)> tagOf;
   /// What messages call a cell.
   std::function<std::string(Index)> cellName = [](Index cell) { return "cell " + std::to_string(cell); };
+  /// What messages call a point.
+  std::function<std::string(Index)> pointName = [](Index point) { return "point " + std::to_string(point); };
 
   Index cellCount() const { return static_cast<Index>(this->corners.size()) / 8; }
   Index pointCount() const { return this->points.size(); }

@@ -79,7 +79,7 @@ private:
       {
         if (!this->Mesh.points.atOffset(p).allFinite())
         {
-          throw Error("point " + std::to_string(p) + " is not finite: " + text(this->Mesh.points.atOffset(p)));
+          throw Error(this->Mesh.pointName(p) + " is not finite: " + text(this->Mesh.points.atOffset(p)));
         }
       }
     });
@@ -92,7 +92,7 @@ private:
         const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
         if (twice != sorted.end())
         {
-          throw Error(this->cell(c) + " has the point " + std::to_string(*twice) + " twice, near " +
+          throw Error(this->cell(c) + " has the " + this->Mesh.pointName(*twice) + " twice, near " +
             text(this->point(*twice)) + ": collapsed hexahedra cannot be part of a block");
         }
       }

@@ -88,8 +88,8 @@ Index HexDecomposition::lookAround(HexId p, const HexId* corners, HexId count, O
     {
       ++other;
     }
-    throw Error(this->cell(corners[0] / 8) + " and " + this->cell(corners[other] / 8) + " meet at the point " +
-      std::to_string(p) + ", near " + text(this->point(p)) +
+    throw Error(this->cell(corners[0] / 8) + " and " + this->cell(corners[other] / 8) + " meet at the " +
+      this->Mesh.pointName(p) + ", near " + text(this->point(p)) +
       ", but no cells around it connect them: the mesh is not a manifold there");
   }
 
@@ -141,8 +141,8 @@ void HexDecomposition::refuseEdge(HexId p, const OneRing& ring, std::size_t begi
                                 : ", ") +
       this->cell(static_cast<Index>(ring.edges[n].second / 16));
   }
-  throw Error(cells + " meet at the edge between the points " + std::to_string(p) + " and " +
-    std::to_string(ring.edges[begin].first) + ", near " + text(this->point(p)) +
+  throw Error(cells + " meet at the edge between the " + this->Mesh.pointName(p) + " and the " +
+    this->Mesh.pointName(ring.edges[begin].first) + ", near " + text(this->point(p)) +
     ", but some share no face there: the mesh is not a manifold there");
 }
 

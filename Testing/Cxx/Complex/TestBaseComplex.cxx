@@ -4,6 +4,7 @@
 #include "Complex/BaseComplex.h"
 #include "Complex/BlockComplex.h"
 #include "Complex/HexFrames.h"
+#include "Complex/HexNumbering.h"
 
 #include <gtest/gtest.h>
 
@@ -565,6 +566,42 @@ TEST(BaseComplex, CountsOfRandomVoxels)
     expectWhole(cells, complex);
   }
   EXPECT_GT(meshes, 5);
+}
+
+TEST(BaseComplex, CellsInRandomOrderAreSortedByPlace)
+{
+  // More than caches hold.
+  constexpr int Around = 105;
+  Cells cells = star(5, Around);
+  ASSERT_GT(cells.corners.size(), 100000u);
+  cells.names = { "floor" };
+  for (const auto& cell : cells.corners)
+  {
+    if (cells.points[cell[0]][2] == 0.0)
+    {
+      cells.quads.push_back({ { cell[0], cell[1], cell[3], cell[2] }, 0 });
+    }
+  }
+  Cells mixed = shuffled(cells, 1);
+  EXPECT_FALSE(isScattered(cells.mesh()));
+  EXPECT_TRUE(isScattered(mixed.mesh()));
+  const BaseComplex complex = mixed.decompose();
+  expectWhole(mixed, complex);
+  EXPECT_EQ(complex.blocks.size(), 5u);
+  EXPECT_EQ(complex.boundaries.size(), 5u);
+  EXPECT_EQ(seen(mixed, complex), seen(cells, cells.decompose()));
+  // Names of faces that are asked for by their points.
+  HexMesh asked = mixed.mesh();
+  asked.quads.clear();
+  asked.tagOf = [&](const std::array<HexId, 4>& face) {
+    return std::all_of(face.begin(), face.end(), [&](HexId p) { return mixed.points[p][2] == 0.0; }) ? 0 : -1;
+  };
+  EXPECT_EQ(seen(mixed, baseComplex(asked)), seen(mixed, complex));
+
+  // Messages have the numbers of the input.
+  const HexId twice = mixed.corners[4321][0];
+  mixed.corners[4321][7] = twice;
+  expectRefused(mixed, { "cell 4321 has the point " + std::to_string(twice) + " twice" });
 }
 
 TEST(BaseComplex, StarsAreCutAtTheirAxis)
