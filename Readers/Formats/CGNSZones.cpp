@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -127,6 +128,7 @@ public:
     }
     this->Declared.finish(this->Mesh, this->Left);
     this->readCoordinates();
+    this->tellCoordinates();
     this->Zones.contacts = this->Declared.contacts();
     this->Zones.interfaces = std::move(this->Mesh.interfaces);
     this->Zones.boundaries = std::move(this->Mesh.boundaries);
@@ -134,6 +136,22 @@ public:
     this->Zones.boundaryTypes = std::move(this->Mesh.boundaryTypes);
     this->Zones.warnings = this->Left.sentences();
     return std::move(this->Zones);
+  }
+
+  void tellCoordinates()
+  {
+    for (const std::string& zone : this->CylindricalZones)
+    {
+      this->Left.add("cylindrical coordinates (r, theta, z) were made Cartesian", "zone '" + zone + "'");
+    }
+    for (const auto& unit : this->ZoneOfUnit)
+    {
+      if (this->ZoneOfUnit.size() > 1)
+      {
+        this->Left.add("zones have different length units, and their numbers are taken as they are",
+          unit.first + " from " + unit.second + " on");
+      }
+    }
   }
 
   std::vector<double> times()
@@ -217,6 +235,7 @@ private:
     this->Where.clear();
     this->check(cg_base_read(this->File, this->Base, name.data(), &cellDimension, &physicalDimension), "base");
     this->check(cg_nzones(this->File, this->Base, &zones), "zones");
+    this->BaseName = name.data();
     this->Where = std::string(", base '") + name.data() + "'";
     const std::string why = this->unusable(zones, cellDimension, physicalDimension);
     if (!why.empty() && others)
@@ -276,7 +295,9 @@ private:
     this->Where = base + ", zone '" + name.data() + "'";
     if (type != CGNS_ENUMV(Structured))
     {
-      this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type) + "; only structured zones can be read");
+      this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type) +
+        "; only structured zones are blocks. Read the file with ParaView's CGNS reader (Load Patches on); unstructured "
+        "hexahedra become blocks by Hex Mesh To Blocks, or where the conversion takes them");
     }
     GridBlock block;
     block.name = validUTF8(this->blockName(name.data()));
@@ -343,32 +364,45 @@ private:
     }
   }
 
-  /// Checks the sizes of the coordinate arrays before anything is allocated. True if all are float.
+  /// Finds the coordinates of the zone, which may be cylindrical, and checks their sizes before anything is allocated.
+  /// True if all are float.
   bool checkCoordinates(const GridBlock& block)
   {
-    bool isFloat = true;
-    for (const char* axis : Axes)
+    std::map<std::string, std::pair<int, CGNS_ENUMT(DataType_t)>> stored;
+    std::string listed;
+    int coordinates = 0;
+    this->check(cg_ncoords(this->File, this->Base, this->Zone, &coordinates), "coordinates");
+    for (int c = 1; c <= coordinates; ++c)
     {
-      int coordinates = 0;
-      bool found = false;
-      this->check(cg_ncoords(this->File, this->Base, this->Zone, &coordinates), "coordinates");
-      for (int c = 1; c <= coordinates && !found; ++c)
-      {
-        Name name{};
-        CGNS_ENUMT(DataType_t) type;
-        this->check(cg_coord_info(this->File, this->Base, this->Zone, c, &type, name.data()), "coordinates");
-        found = std::string(name.data()) == axis;
-        if (found && type != CGNS_ENUMV(RealSingle) && type != CGNS_ENUMV(RealDouble))
-        {
-          this->fail(std::string(axis) + " is of type " + cg_DataTypeName(type) + ", neither float nor double");
-        }
-        isFloat = isFloat && (!found || type == CGNS_ENUMV(RealSingle));
-      }
-      if (!found)
-      {
-        this->fail(std::string("the zone has no ") + axis);
-      }
+      Name name{};
+      CGNS_ENUMT(DataType_t) type;
+      this->check(cg_coord_info(this->File, this->Base, this->Zone, c, &type, name.data()), "coordinates");
+      stored.emplace(name.data(), std::make_pair(c, type));
+      listed += (c == 1 ? "" : ", ") + std::string(name.data());
     }
+    const auto has = [&](const std::string& axis) { return stored.count(axis) > 0; };
+    this->Cylindrical = !has("CoordinateX") && has("CoordinateR") && has("CoordinateTheta");
+    this->Axes = { "CoordinateX", "CoordinateY", "CoordinateZ" };
+    if (this->Cylindrical)
+    {
+      this->Axes = { "CoordinateR", "CoordinateTheta", "CoordinateZ" };
+    }
+    bool isFloat = true;
+    for (const std::string& axis : this->Axes)
+    {
+      if (!has(axis))
+      {
+        this->fail("the zone has no " + axis + (listed.empty() ? "" : ", but " + listed) +
+          "; x, y, z and r, theta, z can be read");
+      }
+      const CGNS_ENUMT(DataType_t) type = stored[axis].second;
+      if (type != CGNS_ENUMV(RealSingle) && type != CGNS_ENUMV(RealDouble))
+      {
+        this->fail(axis + " is of type " + cg_DataTypeName(type) + ", neither float nor double");
+      }
+      isFloat = isFloat && type == CGNS_ENUMV(RealSingle);
+    }
+    this->readUnits(stored[this->Axes[0]].first, stored[this->Axes[1]].first);
     // Compressed data may be larger than the file, but not by this much.
     std::error_code failure;
     const double bytes = double(std::filesystem::file_size(this->FileName, failure));
@@ -378,6 +412,56 @@ private:
         std::to_string(Index(bytes)) + " bytes");
     }
     return isFloat;
+  }
+
+  /// The length and angle units of the first two coordinates, numbers of their arrays: those given nearest to them.
+  void readUnits(int first, int second)
+  {
+    CGNS_ENUMT(LengthUnits_t) length = CGNS_ENUMV(LengthUnitsNull);
+    CGNS_ENUMT(AngleUnits_t) angle = CGNS_ENUMV(AngleUnitsNull);
+    const auto look = [&](int status, bool lengths, bool angles) {
+      CGNS_ENUMT(MassUnits_t) mass;
+      CGNS_ENUMT(LengthUnits_t) ownLength;
+      CGNS_ENUMT(TimeUnits_t) time;
+      CGNS_ENUMT(TemperatureUnits_t) temperature;
+      CGNS_ENUMT(AngleUnits_t) ownAngle;
+      if (status != CG_OK || cg_units_read(&mass, &ownLength, &time, &temperature, &ownAngle) != CG_OK)
+      {
+        return;
+      }
+      const bool saysLength =
+        ownLength != CGNS_ENUMV(LengthUnitsNull) && ownLength != CGNS_ENUMV(LengthUnitsUserDefined);
+      const bool saysAngle = ownAngle != CGNS_ENUMV(AngleUnitsNull) && ownAngle != CGNS_ENUMV(AngleUnitsUserDefined);
+      length = lengths && saysLength ? ownLength : length;
+      angle = angles && saysAngle ? ownAngle : angle;
+    };
+    look(cg_goto(this->File, this->Base, "end"), true, true);
+    look(cg_goto(this->File, this->Base, "Zone_t", this->Zone, "end"), true, true);
+    look(cg_goto(this->File, this->Base, "Zone_t", this->Zone, "GridCoordinates_t", 1, "end"), true, true);
+    const auto look1 = [&](int array, bool lengths) {
+      look(cg_goto(this->File, this->Base, "Zone_t", this->Zone, "GridCoordinates_t", 1, "DataArray_t", array, "end"),
+        lengths, !lengths);
+    };
+    look1(first, true);
+    look1(second, false);
+    this->ToRadians = angle == CGNS_ENUMV(Degree) ? 3.14159265358979323846 / 180.0 : 1.0;
+    if (length != CGNS_ENUMV(LengthUnitsNull))
+    {
+      this->ZoneOfUnit.emplace(cg_LengthUnitsName(length), this->Where.substr(2));
+    }
+  }
+
+  /// r, theta, z become x, y, z.
+  template <typename Real>
+  void makeCartesian(const GridBlock& block, Real* points) const
+  {
+    for (Index p = 0; p < block.size(); ++p, points += 3)
+    {
+      const double r = points[0];
+      const double theta = points[1] * this->ToRadians;
+      points[0] = static_cast<Real>(r * std::cos(theta));
+      points[1] = static_cast<Real>(r * std::sin(theta));
+    }
   }
 
   /// The GridCoordinates_t that the zone has in the step, 1 for the first; 0 if it does not say.
@@ -448,22 +532,22 @@ private:
         int dimensions = 0;
         std::array<cgsize_t, 12> size{};
         this->check(cg_array_info(a, name.data(), &own, &dimensions, size.data()), "coordinates");
-        if (std::string(name.data()) != Axes[axis])
+        if (this->Axes[axis] != name.data())
         {
           continue;
         }
         found = true;
         if (dimensions != 3 || size[0] != stored[0] || size[1] != stored[1] || size[2] != stored[2])
         {
-          this->fail(std::string(Axes[axis]) + " of step " + std::to_string(this->Step) +
-            " has not the size of the zone, " + bsv::toString(block.counts));
+          this->fail(this->Axes[axis] + " of step " + std::to_string(this->Step) + " has not the size of the zone, " +
+            bsv::toString(block.counts));
         }
         values.resize(static_cast<std::size_t>(stored[0] * stored[1] * stored[2]));
-        this->check(cg_array_read_as(a, type, values.data()), Axes[axis]);
+        this->check(cg_array_read_as(a, type, values.data()), this->Axes[axis]);
       }
       if (!found)
       {
-        this->fail("step " + std::to_string(this->Step) + " of the zone has no " + Axes[axis]);
+        this->fail("step " + std::to_string(this->Step) + " of the zone has no " + this->Axes[axis]);
       }
       Real* to = points + axis;
       for (int k = 0; k < block.counts[2]; ++k)
@@ -487,14 +571,8 @@ private:
     try
     {
       block.allocate(isFloat, this->Memory);
-      if (grid > 1)
-      {
-        isFloat ? this->readGrid(block, grid, block.floats.get(), CGNS_ENUMV(RealSingle))
-                : this->readGrid(block, grid, block.doubles.get(), CGNS_ENUMV(RealDouble));
-        return;
-      }
-      isFloat ? this->readCoordinates(block, block.floats.get(), CGNS_ENUMV(RealSingle))
-              : this->readCoordinates(block, block.doubles.get(), CGNS_ENUMV(RealDouble));
+      isFloat ? this->readCoordinates(block, grid, block.floats.get(), CGNS_ENUMV(RealSingle))
+              : this->readCoordinates(block, grid, block.doubles.get(), CGNS_ENUMV(RealDouble));
     }
     catch (const std::bad_alloc&)
     {
@@ -503,7 +581,19 @@ private:
   }
 
   template <typename Real>
-  void readCoordinates(const GridBlock& block, Real* points, CGNS_ENUMT(DataType_t) type)
+  void readCoordinates(const GridBlock& block, int grid, Real* points, CGNS_ENUMT(DataType_t) type)
+  {
+    grid > 1 ? this->readGrid(block, grid, points, type) : this->readGrid(block, points, type);
+    if (this->Cylindrical)
+    {
+      this->makeCartesian(block, points);
+      this->CylindricalZones.push_back(block.name);
+    }
+  }
+
+  /// The coordinates of the first GridCoordinates_t.
+  template <typename Real>
+  void readGrid(const GridBlock& block, Real* points, CGNS_ENUMT(DataType_t) type)
   {
     // Some layers at a time, so that no copy of a large block is needed.
     const Index layer = Index(block.counts[0]) * block.counts[1];
@@ -516,9 +606,9 @@ private:
         const int end = std::min(k + layers, block.counts[2]);
         const std::array<cgsize_t, 3> first{ 1, 1, k + 1 };
         const std::array<cgsize_t, 3> last{ block.counts[0], block.counts[1], end };
-        this->check(
-          cg_coord_read(this->File, this->Base, this->Zone, Axes[axis], type, first.data(), last.data(), values.data()),
-          Axes[axis]);
+        this->check(cg_coord_read(this->File, this->Base, this->Zone, this->Axes[axis].c_str(), type, first.data(),
+                      last.data(), values.data()),
+          this->Axes[axis]);
         Real* to = points + 3 * layer * k + axis;
         for (Index p = 0; p < layer * (end - k); ++p)
         {
@@ -617,11 +707,30 @@ private:
       this->addInterface(own, other, range, donorRange, transform);
     }
     this->Where = zone;
-    this->leaveOutOversets();
+    this->readGeneralConnections();
   }
 
-  /// What joins zones otherwise than point to point. Lists of coincident points need no word: the points tell.
-  void leaveOutOversets()
+  /// The boundary of a periodic contact that lists its points.
+  void addPeriodic(int connection, CGNS_ENUMT(PointSetType_t) set, cgsize_t count, CGNS_ENUMT(GridLocation_t) location)
+  {
+    const int block = this->FirstBlock + this->Zone - 1;
+    const std::string zone = this->Where;
+    const bool isRange = set == CGNS_ENUMV(PointRange) && count == 2;
+    if (!isRange && (set != CGNS_ENUMV(PointList) || count < 0 || count > 8 * this->Zones.blocks[block].size()))
+    {
+      return;
+    }
+    std::vector<cgsize_t> points(static_cast<std::size_t>(3 * count));
+    this->check(cg_conn_read_short(this->File, this->Base, this->Zone, connection, points.data()), "points");
+    this->Where = zone + ", connection " + std::to_string(connection);
+    const BoundaryLabel label{ "Periodic", UnknownBoundaryType };
+    isRange ? this->addRange(block, points, location, label) : this->addList(block, points, location, label);
+    this->Where = zone;
+  }
+
+  /// What joins zones otherwise than by ranges point to point. Lists of coincident points need no word: the points
+  /// tell, unless they are periodic.
+  void readGeneralConnections()
   {
     int count = 0;
     this->check(cg_nconns(this->File, this->Base, this->Zone, &count), "general connectivity");
@@ -640,7 +749,14 @@ private:
       this->check(cg_conn_info(this->File, this->Base, this->Zone, c, name.data(), &location, &type, &set, &points,
                     donor.data(), &donorType, &donorSet, &dataType, &donorPoints),
         "general connectivity");
-      if (type != CGNS_ENUMV(Abutting1to1))
+      float center[3];
+      float angle[3];
+      float translation[3];
+      if (cg_conn_periodic_read(this->File, this->Base, this->Zone, c, center, angle, translation) == CG_OK)
+      {
+        this->addPeriodic(c, set, points, location);
+      }
+      else if (type != CGNS_ENUMV(Abutting1to1))
       {
         this->Left.add("general connectivity left out",
           this->Where.substr(2) + ", '" + name.data() + "' (" + cg_GridConnectivityTypeName(type) + " with '" +
@@ -663,8 +779,11 @@ private:
   }
 
   void addInterface(const DirectedRange& own, const DirectedRange& other, const PointRange& range,
-    const PointRange& donorRange, const std::array<int, 3>& transform)
+    const PointRange& donorRange, std::array<int, 3> transform)
   {
+    // The direction of the normal may be left out: 0.
+    int& normal = transform[faceDirection(own.face)];
+    normal = normal == 0 ? faceDirection(other.face) + 1 : normal;
     std::string text;
     std::array<bool, 3> used{};
     for (int d = 0; d < 3; ++d)
@@ -773,33 +892,63 @@ private:
     std::string type;
   };
 
-  /// Its name is that of its family, or its own one if that is more than a number; its type is its own one, or else
-  /// that of its family.
+  static bool says(CGNS_ENUMT(BCType_t) type)
+  {
+    return type != CGNS_ENUMV(BCTypeNull) && type != CGNS_ENUMV(BCTypeUserDefined) &&
+      type != CGNS_ENUMV(FamilySpecified);
+  }
+
+  /// The family of a condition, then those that it has besides.
+  std::vector<std::string> familiesOfCondition(int condition)
+  {
+    std::vector<std::string> families;
+    if (cg_goto(this->File, this->Base, "Zone_t", this->Zone, "ZoneBC_t", 1, "BC_t", condition, "end") != CG_OK)
+    {
+      return families;
+    }
+    const auto add = [&](const Name& text) {
+      const std::string family = this->familyPath(trimmed(text.data()));
+      if (!family.empty())
+      {
+        families.push_back(family);
+      }
+    };
+    Name text{};
+    if (cg_famname_read(text.data()) == CG_OK)
+    {
+      add(text);
+    }
+    int others = 0;
+    if (cg_nmultifam(&others) != CG_OK)
+    {
+      return families;
+    }
+    for (int n = 1; n <= others; ++n)
+    {
+      Name node{};
+      text.fill(0);
+      if (cg_multifam_read(n, node.data(), text.data()) == CG_OK)
+      {
+        add(text);
+      }
+    }
+    return families;
+  }
+
+  /// Its name is that of its (first) family, or its own one if that is more than a number; its type is its own one, or
+  /// else that of its family.
   BoundaryLabel boundaryLabel(const std::string& own, CGNS_ENUMT(BCType_t) ownType, int condition)
   {
-    const auto says = [](CGNS_ENUMT(BCType_t) type) {
-      return type != CGNS_ENUMV(BCTypeNull) && type != CGNS_ENUMV(BCTypeUserDefined) &&
-        type != CGNS_ENUMV(FamilySpecified);
-    };
     CGNS_ENUMT(BCType_t) type = ownType;
     std::string name = trimmed(own);
-    Name text{};
-    std::string family;
-    if (cg_goto(this->File, this->Base, "Zone_t", this->Zone, "ZoneBC_t", 1, "BC_t", condition, "end") == CG_OK &&
-      cg_famname_read(text.data()) == CG_OK)
+    const std::vector<std::string> families = this->familiesOfCondition(condition);
+    for (const std::string& family : families)
     {
-      family = trimmed(text.data());
+      type = says(type) ? type : this->typeOfFamily(family);
     }
-    if (!family.empty())
+    if (!families.empty())
     {
-      // It may be given as a path: /base/family.
-      const std::string last = trimmed(family.substr(family.rfind('/') + 1));
-      const auto known = this->TypeOfFamily.find(last);
-      if (!says(type) && known != this->TypeOfFamily.end())
-      {
-        type = known->second;
-      }
-      name = last.empty() ? name : last;
+      name = families[0];
     }
     else if (says(type) && isNumbered(name))
     {
@@ -812,6 +961,7 @@ private:
   void readFamilies()
   {
     this->TypeOfFamily.clear();
+    this->ParentsOfFamily.clear();
     int families = 0;
     this->check(cg_nfamilies(this->File, this->Base, &families), "families");
     for (int f = 1; f <= families; ++f)
@@ -827,7 +977,93 @@ private:
         this->check(cg_fambc_read(this->File, this->Base, f, c, condition.data(), &type), "type of a family");
         this->TypeOfFamily.emplace(trimmed(name.data()), type);
       }
+      int parents = 0;
+      this->check(cg_nfamily_names(this->File, this->Base, f, &parents), "parents of a family");
+      for (int p = 1; p <= parents; ++p)
+      {
+        Name node{};
+        Name parent{};
+        this->check(
+          cg_family_name_read(this->File, this->Base, f, p, node.data(), parent.data()), "parent of a family");
+        this->ParentsOfFamily[trimmed(name.data())].push_back(trimmed(parent.data()));
+      }
+      this->readNestedFamilies("/" + this->BaseName + "/" + name.data(), trimmed(name.data()), 0);
     }
+  }
+
+  /// Families within a family; `path` leads to it in the file, `family` from the base.
+  void readNestedFamilies(
+    [[maybe_unused]] const std::string& path, [[maybe_unused]] const std::string& family, [[maybe_unused]] int depth)
+  {
+#if CGNS_VERSION >= 4000
+    constexpr int MaxDepth = 20;
+    int count = 0;
+    if (depth > MaxDepth || cg_gopath(this->File, path.c_str()) != CG_OK || cg_node_nfamilies(&count) != CG_OK)
+    {
+      return;
+    }
+    for (int f = 1; f <= count; ++f)
+    {
+      Name name{};
+      int conditions = 0;
+      int geometries = 0;
+      this->check(cg_gopath(this->File, path.c_str()), "family");
+      this->check(cg_node_family_read(f, name.data(), &conditions, &geometries), "family");
+      const std::string nested = family + "/" + trimmed(name.data());
+      const std::string place = path + "/" + name.data();
+      if (conditions > 0)
+      {
+        Name condition{};
+        CGNS_ENUMT(BCType_t) type;
+        this->check(cg_gopath(this->File, place.c_str()), "family");
+        this->check(cg_node_fambc_read(1, condition.data(), &type), "type of a family");
+        this->TypeOfFamily.emplace(nested, type);
+      }
+      this->readNestedFamilies(place, nested, depth + 1);
+    }
+#endif
+  }
+
+  /// The type of a family, or else of one that it belongs to: of what its path or its FamilyName_t name.
+  CGNS_ENUMT(BCType_t) typeOfFamily(const std::string& family, int depth = 0) const
+  {
+    constexpr int MaxDepth = 20;
+    const auto known = this->TypeOfFamily.find(family);
+    if (known != this->TypeOfFamily.end() && says(known->second))
+    {
+      return known->second;
+    }
+    std::vector<std::string> parents;
+    const auto named = this->ParentsOfFamily.find(family);
+    if (named != this->ParentsOfFamily.end())
+    {
+      parents = named->second;
+    }
+    if (family.find('/') != std::string::npos)
+    {
+      parents.push_back(family.substr(0, family.rfind('/')));
+    }
+    for (const std::string& parent : parents)
+    {
+      const CGNS_ENUMT(BCType_t) type =
+        depth < MaxDepth ? this->typeOfFamily(this->familyPath(parent), depth + 1) : CGNS_ENUMV(BCTypeNull);
+      if (says(type))
+      {
+        return type;
+      }
+    }
+    return CGNS_ENUMV(BCTypeNull);
+  }
+
+  /// A family's name without the base, which may stand before it: /base/family.
+  std::string familyPath(const std::string& name) const
+  {
+    const bool fromRoot = name.rfind('/', 0) == 0;
+    const std::string path = name.substr(fromRoot);
+    const std::string base = this->BaseName + "/";
+    return trimmed(path.rfind(base, 0) == 0 ? path.substr(base.size())
+        : fromRoot                          ? path.substr(path.rfind('/') + 1)
+                                            : path);
   }
 
   /// How the points of a condition are meant.
@@ -999,8 +1235,6 @@ private:
     }
   }
 
-  static constexpr std::array<const char*, 3> Axes{ "CoordinateX", "CoordinateY", "CoordinateZ" };
-
   QuietErrors Quiet;
   std::string FileName;
   const Execution& Run;
@@ -1015,6 +1249,13 @@ private:
   int FirstBlock = 0;
   /// What is being read, for error messages.
   std::string Where;
+  /// The coordinates of the zone that is being read.
+  std::array<std::string, 3> Axes;
+  bool Cylindrical = false;
+  double ToRadians = 1.0;
+  std::vector<std::string> CylindricalZones;
+  /// The first zone of every length unit.
+  std::map<std::string, std::string> ZoneOfUnit;
   CGNSZones Zones;
   /// Where each block comes from.
   struct Place
@@ -1025,7 +1266,10 @@ private:
   std::vector<Place> Places;
   DeclaredConnectivity Declared;
   Leftovers Left;
+  std::string BaseName;
+  /// Of the families of the base, by their path from it.
   std::map<std::string, CGNS_ENUMT(BCType_t)> TypeOfFamily;
+  std::map<std::string, std::vector<std::string>> ParentsOfFamily;
   /// Blocks of the current base.
   std::map<std::string, int> BlockOfName;
   /// Names and sizes of the zones.

@@ -23,9 +23,10 @@ struct CGNSZones
   /// Boundary conditions on block faces. Point lists are cut into rectangles, one patch each; conditions on single
   /// points or lines are skipped.
   std::vector<BoundaryPatch> boundaries;
-  /// The family of a boundary condition; without one its own name, or its type if the name is but a number.
+  /// The family of a boundary condition, or the first of its additional ones; within another family its path. Without
+  /// one the condition's own name, or its type if the name is but a number.
   std::vector<std::string> boundaryNames;
-  /// BlockMesh::boundaryTypes: the condition's own type, or else that of its family.
+  /// BlockMesh::boundaryTypes: the condition's own type, or else that of its family, or of one that this belongs to.
   std::vector<std::string> boundaryTypes;
   /// What was left out, one sentence per kind: boundary conditions that contradict the mesh, bases of other dimensions,
   /// overset and abutting connectivity, holes.
@@ -37,8 +38,9 @@ struct CGNSZones
 /// Whether the file starts like a CGNS file (ADF or HDF5). Never throws.
 bool looksLikeCGNS(const std::string& fileName);
 
-/// Reads all zones of all bases, but the coordinates of a piece only. General (not 1-to-1) connectivity is
-/// skipped: coincident points tell. The points of contacts are not compared. Not to be called from several
+/// Reads all zones of all bases, but the coordinates of a piece only: x, y, z, or r, theta, z (radian, or as the file
+/// says), which become Cartesian. General (not 1-to-1) connectivity is skipped unless it is periodic: coincident points
+/// tell. The points of contacts are not compared. Not to be called from several
 /// threads: the CGNS library keeps its state in globals; and a damaged file may end the process in it.
 /// @param memory where the points go
 /// @param step of cgnsTimes(), whose coordinates are read

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
@@ -17,22 +19,24 @@ namespace bsv
 namespace
 {
 
-/// Words of one line; a word in quotation marks may hold blanks.
-std::vector<std::string> words(const std::string& line)
+/// Words of one line before a comment; a word in quotation marks may hold blanks and what starts comments.
+std::vector<std::string> words(const std::string& text)
 {
-  const auto isBlank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == ','; };
+  const auto isBlank = [&](std::size_t at) { return std::strchr(" \t,", text[at]) != nullptr; };
+  const auto isComment = [&](std::size_t at) {
+    return text[at] == '#' || text[at] == '!' || text.compare(at, 2, "//") == 0;
+  };
   std::vector<std::string> found;
-  const std::string text = line.substr(0, line.find('#'));
-  for (std::size_t at = 0; at < text.size();)
+  for (std::size_t at = 0; at < text.size() && !isComment(at);)
   {
-    if (isBlank(text[at]))
+    if (isBlank(at))
     {
       ++at;
       continue;
     }
     const bool quoted = text[at] == '\'' || text[at] == '"';
     std::size_t end = quoted ? text.find(text[at], at + 1) : at;
-    while (!quoted && end < text.size() && !isBlank(text[end]))
+    while (!quoted && end < text.size() && !isBlank(end) && !isComment(end))
     {
       ++end;
     }
@@ -142,12 +146,30 @@ private:
     }
   }
 
+  /// A line that ends as those of any system do: with a line feed, a carriage return, or both.
+  bool getLine(std::string& line)
+  {
+    line.clear();
+    char c = '\0';
+    bool any = false;
+    while (this->Stream.get(c) && c != '\n' && c != '\r')
+    {
+      line += c;
+      any = true;
+    }
+    if (this->Stream && c == '\r' && this->Stream.peek() == '\n')
+    {
+      this->Stream.get();
+    }
+    return any || this->Stream;
+  }
+
   /// Goes to the next line with words.
   bool nextLine()
   {
     std::string line;
     this->Words.clear();
-    while (this->Words.empty() && std::getline(this->Stream, line))
+    while (this->Words.empty() && this->getLine(line))
     {
       if (++this->Line == 1)
       {
@@ -246,16 +268,21 @@ private:
     return range;
   }
 
-  bool readSwap(std::size_t word) const
+  bool readSwap(const std::string& word) const
   {
-    const std::string text = word < this->Words.size() ? kind(this->Words[word]) : "";
-    const bool swap = text == "true" || text == "t";
-    if (!swap && text != "false" && text != "f")
+    const std::string text = kind(word);
+    const bool swap = text == "true" || text == "t" || text == "1" || text == "yes" || text == "y";
+    if (!swap && text != "false" && text != "f" && text != "0" && text != "no" && text != "n")
     {
-      this->fail("the swap flag must be TRUE or FALSE, not '" +
-        (word < this->Words.size() ? this->Words[word].substr(0, 40) : "") + "'");
+      this->fail("the swap flag must be TRUE or FALSE, not '" + word.substr(0, 40) + "'");
     }
     return swap;
+  }
+
+  /// Numbers of cells along both axes.
+  static std::array<int, 2> lengths(const DirectedRange& range)
+  {
+    return { std::abs(range.end[0] - range.begin[0]), std::abs(range.end[1] - range.begin[1]) };
   }
 
   void readTopology()
@@ -279,8 +306,19 @@ private:
     }
     const DirectedRange a = this->readRange(1);
     const DirectedRange b = this->readRange(7);
-    // The flag speaks of primary directions; if that is our first axis on one side only, it turns round.
-    const bool swapped = this->readSwap(13) != (primaryAxis(a.face) != primaryAxis(b.face));
+    constexpr std::size_t Flag = 13;
+    bool swapped = lengths(a) != lengths(b);
+    if (this->Words.size() > Flag)
+    {
+      // It speaks of primary directions; if that is our first axis on one side only, it turns round.
+      swapped = this->readSwap(this->Words[Flag]) != (primaryAxis(a.face) != primaryAxis(b.face));
+    }
+    else if (!swapped && lengths(a)[0] == lengths(a)[1])
+    {
+      this->Left.add("contacts of squares have no swap flag and are left to the points, which say how blocks meet",
+        "line " + std::to_string(this->Line) + " of the neutral map");
+      return;
+    }
     this->located([&] { this->Declared.addContact(faceContact(a, b, swapped), this->where()); });
   }
 

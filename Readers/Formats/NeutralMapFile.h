@@ -2,7 +2,7 @@
 /// @file NeutralMapFile.h
 /// Neutral map files: contacts and boundary conditions beside a multi-block grid file.
 ///
-/// Text; `#` starts a comment. First the number of blocks, then a line per block: its number and its points per
+/// Text, its lines ended as any system does; `#`, `!` and `//` start comments. First the number of blocks, then a line per block: its number and its points per
 /// direction. Then a line per contact or boundary condition:
 ///
 ///     TYPE  B1 F1 S1 E1 S2 E2  [B2 F2 S1 E1 S2 E2 SWAP]
@@ -11,7 +11,7 @@
 /// range along the face's primary direction, S2..E2 along the secondary one: i and j on k faces, j and k on i faces,
 /// k and i on j faces. The second half belongs to TYPE ONE_TO_ONE: S1 of either side meet, E1 too, and SWAP = TRUE says
 /// that the primary direction of the first face runs along the secondary one of the second. Ranges that run backwards
-/// turn the direction round.
+/// turn the direction round. Without the flag the sizes decide, or, where these do not, the points.
 ///
 /// Source: W. T. Jones, The Neutral Map File, NASA Langley GEOLAB (now kept at the Turbulence Modeling Resource).
 #pragma once

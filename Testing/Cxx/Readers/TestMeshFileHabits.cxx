@@ -559,6 +559,216 @@ TEST(MeshFileHabits, StepsOfCGNSHaveTheirOwnCoordinates)
   }
 }
 
+TEST(MeshFileHabits, FamiliesWithinFamiliesHaveTypes)
+{
+  TemporaryFolder folder;
+  writeChanged(twoBlocks(), folder / "mesh.cgns", [](int file) {
+    int id = 0;
+    int fambc = 0;
+    // A tree of families; the type is that of a leaf, or of what it belongs to.
+    family(file, "aircraft", CGNS_ENUMV(BCWallViscous));
+    require(cg_gopath(file, "/Base/aircraft"));
+    require(cg_node_family_write("wing", &id));
+    require(cg_node_family_write("inlet", &id));
+    require(cg_gopath(file, "/Base/aircraft/inlet"));
+    require(cg_node_fambc_write("FamBC", CGNS_ENUMV(BCOutflow), &fambc));
+    // A family that names another one as the one that it belongs to.
+    require(cg_family_write(file, 1, "tail", &id));
+    require(cg_family_name_write(file, 1, id, "Parent", "aircraft"));
+    require(cg_family_write(file, 1, "colour", &id));
+    family(file, "sky", CGNS_ENUMV(BCFarfield));
+
+    const auto specified = CGNS_ENUMV(FamilySpecified);
+    condition(file, 1, "a", specified, { 1, 1, 1, 5, 4, 1 }, "aircraft/wing");
+    condition(file, 2, "b", specified, { 1, 1, 1, 4, 4, 1 }, "/Base/aircraft/inlet");
+    condition(file, 1, "c", specified, { 1, 1, 3, 5, 4, 3 }, "tail");
+    condition(file, 2, "d", specified, { 1, 1, 3, 4, 4, 3 }, "colour");
+    condition(file, 1, "e", specified, { 1, 1, 1, 5, 1, 3 });
+    // Families besides: the type of the first that has one; its name, if it is the first of all.
+    const auto besides = [&](int zone, int number, const char* name) {
+      require(cg_goto(file, 1, "Zone_t", zone, "ZoneBC_t", 1, "BC_t", number, "end"));
+      require(cg_multifam_write("AdditionalFamily", name));
+    };
+    besides(2, 2, "sky");
+    besides(1, 3, "sky");
+  });
+  const Result found = readMesh(folder / "mesh.cgns");
+  EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+  std::map<std::string, std::string> types;
+  for (std::size_t n = 0; n < found.mesh.boundaryNames.size(); ++n)
+  {
+    types[found.mesh.boundaryNames[n]] = found.mesh.boundaryTypes[n];
+  }
+  EXPECT_EQ(types,
+    (std::map<std::string, std::string>{ { "aircraft/wing", "BCWallViscous" }, { "aircraft/inlet", "BCOutflow" },
+      { "tail", "BCWallViscous" }, { "colour", "BCFarfield" }, { "sky", "BCFarfield" } }));
+}
+
+TEST(MeshFileHabits, TransformsThatSayNoMoreThanNeeded)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  const std::string fileName = folder / "mesh.cgns";
+  const auto expectWhole = [&] {
+    const Result found = readMesh(fileName);
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+    ASSERT_EQ(found.mesh.interfaces.size(), 1u);
+    EXPECT_EQ(found.mesh.interfaces[0].orientation, mesh.interfaces[0].orientation);
+  };
+  // The default is the identity.
+  writeChanged(mesh, fileName, [](int file) {
+    for (int zone = 1; zone <= 2; ++zone)
+    {
+      require(cg_goto(file, 1, "Zone_t", zone, "ZoneGridConnectivity_t", 1, "GridConnectivity1to1_t", 1, "end"));
+      require(cg_delete_node("Transform"));
+    }
+  });
+  expectWhole();
+  // The direction across need not be given.
+  writeCGNS(mesh, fileName, { CG_FILE_HDF5 });
+  int file = 0;
+  double root = 0.0;
+  require(cgio_open_file(fileName.c_str(), CGIO_MODE_MODIFY, CGIO_FILE_NONE, &file));
+  require(cgio_get_root_id(file, &root));
+  for (const std::string zone : { "zone 1", "zone 2" })
+  {
+    double contacts = 0.0;
+    double contact = 0.0;
+    double node = 0.0;
+    int found = 0;
+    require(cgio_get_node_id(file, root, ("/Base/" + zone + "/ZoneGridConnectivity").c_str(), &contacts));
+    require(cgio_children_ids(file, contacts, 1, 1, &found, &contact));
+    require(cgio_get_node_id(file, contact, "Transform", &node));
+    const std::int32_t transform[3] = { 0, 2, 3 };
+    require(cgio_write_all_data(file, node, transform));
+  }
+  require(cgio_close_file(file));
+  expectWhole();
+}
+
+TEST(MeshFileHabits, PeriodicListsOfPointsAreBoundaries)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  // The faces j min and j max of zone 1 repeat each other, as a range and as a list.
+  writeChanged(mesh, folder / "mesh.cgns", [](int file) {
+    const auto connect = [&](const char* name, const std::vector<cgsize_t>& points, CGNS_ENUMT(PointSetType_t) set) {
+      int id = 0;
+      const auto count = static_cast<cgsize_t>(points.size() / 3);
+      std::vector<cgsize_t> donor(set == CGNS_ENUMV(PointRange) ? 3 * 15 : points.size(), 1);
+      require(cg_conn_write(file, 1, 1, name, CGNS_ENUMV(Vertex), CGNS_ENUMV(Abutting1to1), set, count, points.data(),
+        "zone 1", CGNS_ENUMV(Structured), CGNS_ENUMV(PointListDonor), CGNS_ENUMV(DataTypeNull),
+        static_cast<cgsize_t>(donor.size() / 3), donor.data(), &id));
+      const float zero[3] = { 0, 0, 0 };
+      const float shift[3] = { 0, 1, 0 };
+      require(cg_conn_periodic_write(file, 1, 1, id, zero, zero, shift));
+    };
+    std::vector<cgsize_t> points;
+    for (cgsize_t k = 1; k <= 3; ++k)
+    {
+      for (cgsize_t i = 1; i <= 5; ++i)
+      {
+        points.insert(points.end(), { i, 4, k });
+      }
+    }
+    connect("low", { 1, 1, 1, 5, 1, 3 }, CGNS_ENUMV(PointRange));
+    connect("high", points, CGNS_ENUMV(PointList));
+  });
+  const Result found = readMesh(folder / "mesh.cgns");
+  EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+  EXPECT_EQ(boundaries(found.mesh)["Periodic: "].size(), 2u * 4 * 2);
+  EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+}
+
+TEST(MeshFileHabits, CylindricalCoordinatesBecomeCartesian)
+{
+  TemporaryFolder folder;
+  MeshCase mesh = twoBlocks();
+  const double degree = std::acos(-1.0) / 180.0;
+  for (const bool degrees : { false, true })
+  {
+    const std::string fileName = folder / (degrees ? "degrees.cgns" : "radians.cgns");
+    writeChanged(mesh, fileName, [&](int file) {
+      for (int zone = 1; zone <= 2; ++zone)
+      {
+        require(cg_goto(file, 1, "Zone_t", zone, "GridCoordinates_t", 1, "end"));
+        require(cg_delete_node("CoordinateX"));
+        require(cg_delete_node("CoordinateY"));
+        std::vector<double> r;
+        std::vector<double> theta;
+        for (const bsv::Vec3& x : mesh.blocks[zone - 1].points)
+        {
+          r.push_back(std::hypot(x[0], x[1]));
+          theta.push_back(std::atan2(x[1], x[0]) / (degrees ? degree : 1.0));
+        }
+        int id = 0;
+        require(cg_coord_write(file, 1, zone, CGNS_ENUMV(RealDouble), "CoordinateTheta", theta.data(), &id));
+        require(cg_coord_write(file, 1, zone, CGNS_ENUMV(RealDouble), "CoordinateR", r.data(), &id));
+      }
+      require(cg_goto(file, 1, "end"));
+      require(cg_units_write(CGNS_ENUMV(Kilogram), CGNS_ENUMV(Meter), CGNS_ENUMV(Second), CGNS_ENUMV(Kelvin),
+        degrees ? CGNS_ENUMV(Degree) : CGNS_ENUMV(Radian)));
+    });
+    const Result found = readMesh(fileName);
+    EXPECT_EQ(found.warnings.size(), 1u);
+    EXPECT_TRUE(mentions(found.warnings, { "cylindrical", "'zone 1'", "'zone 2'" }));
+    ASSERT_EQ(found.mesh.blocks.size(), 2u);
+    for (int b = 0; b < 2; ++b)
+    {
+      for (vtkIdType p = 0; p < found.grids[b]->GetNumberOfPoints(); ++p)
+      {
+        const bsv::Vec3 x(found.grids[b]->GetPoint(p));
+        // Sizes of a few units; the angle has passed through a quotient.
+        EXPECT_LT((x - mesh.blocks[b].points[p]).norm(), 1e-14 * (1.0 + x.norm()));
+      }
+    }
+    EXPECT_EQ(bsv::buildBlockComplex(found.mesh).blocks.size(), 2u);
+  }
+  // Other coordinates are named.
+  writeChanged(mesh, folder / "other.cgns", [&](int file) {
+    require(cg_goto(file, 1, "Zone_t", 1, "GridCoordinates_t", 1, "end"));
+    require(cg_delete_node("CoordinateY"));
+  });
+  const std::string text = refusal(folder / "other.cgns");
+  EXPECT_NE(text.find("zone 'zone 1': the zone has no CoordinateY, but CoordinateX, CoordinateZ"), std::string::npos)
+    << text;
+}
+
+TEST(MeshFileHabits, LengthUnitsThatDifferAreNamed)
+{
+  TemporaryFolder folder;
+  const auto writeUnits = [](CGNS_ENUMT(LengthUnits_t) unit) {
+    require(
+      cg_units_write(CGNS_ENUMV(Kilogram), unit, CGNS_ENUMV(Second), CGNS_ENUMV(Kelvin), CGNS_ENUMV(AngleUnitsNull)));
+  };
+  for (const auto second : { CGNS_ENUMV(Inch), CGNS_ENUMV(Meter) })
+  {
+    writeChanged(twoBlocks(), folder / "mesh.cgns", [&](int file) {
+      require(cg_goto(file, 1, "end"));
+      writeUnits(CGNS_ENUMV(Meter));
+      require(cg_goto(file, 1, "Zone_t", 2, "GridCoordinates_t", 1, "DataArray_t", 1, "end"));
+      writeUnits(second);
+    });
+    const Result found = readMesh(folder / "mesh.cgns");
+    EXPECT_EQ(found.warnings.size(), second == CGNS_ENUMV(Inch) ? 1u : 0u);
+    EXPECT_EQ(mentions(found.warnings, { "length units", "Inch", "'zone 2'", "Meter", "'zone 1'" }),
+      second == CGNS_ENUMV(Inch));
+  }
+}
+
+TEST(MeshFileHabits, UnstructuredZonesAreSentToTheirReader)
+{
+  TemporaryFolder folder;
+  writeChanged(twoBlocks(), folder / "mesh.cgns", [](int file) {
+    const cgsize_t size[3] = { 8, 1, 0 };
+    int zone = 0;
+    require(cg_zone_write(file, 1, "hexes", size, CGNS_ENUMV(Unstructured), &zone));
+  });
+  const std::string text = refusal(folder / "mesh.cgns");
+  EXPECT_NE(text.find("zone 'hexes'"), std::string::npos) << text;
+  EXPECT_NE(text.find("Hex Mesh To Blocks"), std::string::npos) << text;
+}
+
 //----------------------------------------------------------------------------------------------------------------------
 // Neutral maps
 
@@ -630,6 +840,76 @@ TEST(MeshFileHabits, NeutralMapsSpellContactsInManyWays)
     writeFile(folder / "plain.nmf", replacedAll(plain, "ONE_TO_ONE", word));
     EXPECT_NE(refusal(folder / "plain.xyz").find("two sides"), std::string::npos);
   }
+}
+
+TEST(MeshFileHabits, NeutralMapsAreTextsOfAnyProgram)
+{
+  TemporaryFolder folder;
+  MeshCase mesh = meshcases::latticeBlocks(
+    { { { 0, 0, 0 }, { 2, 4, 3 } }, { { 2, 0, 0 }, { 5, 2, 3 } }, { { 2, 2, 0 }, { 4, 4, 3 } } }, meshcases::wavy);
+  meshcases::shuffle(mesh, 3, true);
+  meshcases::declareAll(mesh, 3);
+  mesh.boundaryNames = { "wall #2 // upper!" };
+  for (bsv::BoundaryPatch& patch : mesh.boundaries)
+  {
+    patch.tag = 0;
+  }
+  const std::string plain = neutralMap(mesh);
+  writeFile(folder / "mesh.xyz", plot3D(mesh, {}));
+  writeFile(folder / "mesh.nmf", plain);
+  const Result expected = readMesh(folder / "mesh.xyz");
+  ASSERT_EQ(expected.mesh.interfaces.size(), mesh.interfaces.size());
+  ASSERT_EQ(expected.mesh.boundaryNames, mesh.boundaryNames);
+
+  std::string lower = plain;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::pair<const char*, std::string> ways[] = { { "carriage returns", replacedAll(plain, "\n", "\r") },
+    { "both line ends", replacedAll(plain, "\n", "\r\n") }, { "no last line end", plain.substr(0, plain.size() - 1) },
+    { "tabs", replacedAll(plain, "  ", "\t") }, { "lower case", lower },
+    { "exclamation marks", replacedAll(replacedAll(plain, "# comment", "! comment"), "# size", "!size") },
+    { "slashes", replacedAll(replacedAll(plain, "# comment", "// comment"), "# size", "//size") },
+    { "numbers as flags", replacedAll(replacedAll(plain, "TRUE", "1"), "FALSE", "0") },
+    { "flags of Fortran", replacedAll(replacedAll(plain, "TRUE", ".true."), "FALSE", ".F.") } };
+  for (const auto& [what, text] : ways)
+  {
+    SCOPED_TRACE(what);
+    writeFile(folder / "mesh.nmf", text);
+    const Result found = readMesh(folder / "mesh.xyz");
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+    EXPECT_EQ(found.mesh.boundaryNames, mesh.boundaryNames);
+    EXPECT_EQ(boundaries(found.mesh), boundaries(expected.mesh));
+    EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+  }
+}
+
+TEST(MeshFileHabits, NeutralMapsWithoutSwapFlags)
+{
+  TemporaryFolder folder;
+  const auto withoutFlags = [](const MeshCase& mesh) {
+    return replacedAll(replacedAll(neutralMap(mesh), " TRUE\n", "\n"), " FALSE\n", "\n");
+  };
+  // Contacts of 3 x 2 cells fit in one way.
+  for (unsigned int seed = 1; seed <= 8; ++seed)
+  {
+    MeshCase mesh = twoBlocks();
+    meshcases::shuffle(mesh, seed, true);
+    writeFile(folder / "mesh.xyz", plot3D(mesh, {}));
+    writeFile(folder / "mesh.nmf", withoutFlags(mesh));
+    const Result found = readMesh(folder / "mesh.xyz");
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+    EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+  }
+  // Those of 2 x 2 cells do not: the points decide.
+  MeshCase square = meshcases::cutBox({ 7, 2, 2 }, { { { 4 }, {}, {} } }, meshcases::wavy);
+  meshcases::declareAll(square);
+  writeFile(folder / "mesh.xyz", plot3D(square, {}));
+  writeFile(folder / "mesh.nmf", withoutFlags(square));
+  const Result found = readMesh(folder / "mesh.xyz");
+  EXPECT_TRUE(mentions(found.warnings, { "swap flag", "line 7" })) << (found.warnings.empty() ? "" : found.warnings[0]);
+  EXPECT_TRUE(found.mesh.interfaces.empty());
+  const bsv::BlockComplex complex = bsv::buildBlockComplex(found.mesh);
+  EXPECT_EQ(
+    std::count_if(complex.faces.begin(), complex.faces.end(), [](const auto& f) { return f.uses.size() == 2; }), 1);
 }
 
 TEST(MeshFileHabits, NeutralMapsLeaveOutBoundariesThatDoNotFit)
