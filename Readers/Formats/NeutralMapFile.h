@@ -2,8 +2,8 @@
 /// @file NeutralMapFile.h
 /// Neutral map files: contacts and boundary conditions beside a multi-block grid file.
 ///
-/// Text, its lines ended as any system does; `#`, `!` and `//` start comments. First the number of blocks, then a line per block: its number and its points per
-/// direction. Then a line per contact or boundary condition:
+/// Text, its lines ended as any system does; `#`, `!` and `//` start comments. First the number of blocks, then a line
+/// per block: its number and its points per direction. Then a line per contact or boundary condition:
 ///
 ///     TYPE  B1 F1 S1 E1 S2 E2  [B2 F2 S1 E1 S2 E2 SWAP]
 ///
