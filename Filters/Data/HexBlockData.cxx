@@ -3,6 +3,7 @@
 
 #include "Data/BlockTags.h"
 #include "Data/HexMeshData.h"
+#include "Data/SurfaceNames.h"
 #include "Execution/FilterExecution.h"
 
 #include <vtkAOSDataArrayTemplate.h>
@@ -687,52 +688,10 @@ FaceRange wholeFace(const Ijk& counts, int face)
   return { { 0, 0 }, { counts[faceAxis(face, 0)] - 1, counts[faceAxis(face, 1)] - 1 } };
 }
 
-} // namespace
-
-std::vector<NamedLeaf> namedLeaves(vtkDataObject* input)
+/// @param ownFields those of the tree on this rank; may be null
+BlockMesh blocksOfLeaves(const std::vector<Leaf>& leaves, vtkFieldData* ownFields,
+  std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
 {
-  std::vector<Leaf> leaves;
-  if (input)
-  {
-    collectLeaves(input, "", leaves);
-  }
-  std::vector<NamedLeaf> result;
-  for (const Leaf& leaf : leaves)
-  {
-    result.push_back({ leaf.data, leaf.name });
-  }
-  return result;
-}
-
-BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
-{
-  if (!ranks.any(needsBlocks(input)))
-  {
-    return structuredBlocks(input, grids, ranks);
-  }
-  Execution run;
-  run.parallelFor = [](Index count, Index grain, const Execution::Body& body) { pausedFor(count, grain, body, [] {}); };
-  // Shared by nobody else for as long as this function runs.
-  run.ranks = std::shared_ptr<const Ranks>(&ranks, [](const Ranks*) {});
-  vtkNew<vtkPartitionedDataSetCollection> blocks;
-  HexMeshReport report = hexMeshToBlocks(input, nullptr, {}, blocks, run);
-  BlockMesh mesh = structuredBlocks(blocks, grids, ranks);
-  mesh.notes = std::move(report.notes);
-  mesh.notes.insert(mesh.notes.begin(),
-    std::to_string(report.cells) + " unstructured hexahedra were made to " + std::to_string(report.blocks) +
-      " blocks (Hex Mesh To Blocks).");
-  mesh.warnings = std::move(report.warnings);
-  return mesh;
-}
-
-BlockMesh structuredBlocks(
-  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
-{
-  std::vector<Leaf> leaves;
-  if (input)
-  {
-    collectLeaves(input, "", leaves);
-  }
   const std::vector<SharedLeaf> shared = shareLeaves(leaves, ranks);
 
   BlockMesh mesh;
@@ -762,16 +721,96 @@ BlockMesh structuredBlocks(
     }
   });
 
-  if (!arraysFitBlocks(input ? input->GetFieldData() : nullptr, mesh, grids, ranks))
+  if (!arraysFitBlocks(ownFields, mesh, grids, ranks))
   {
     takeTags(mesh, grids, ranks);
     return mesh;
   }
-  const vtkSmartPointer<vtkFieldData> fields = sharedFields(input ? input->GetFieldData() : nullptr, ranks);
+  const vtkSmartPointer<vtkFieldData> fields = sharedFields(ownFields, ranks);
   readInterfaces(fields, blockOfLeaf, mesh);
   readBoundaries(fields, blockOfLeaf, mesh);
   readCreases(fields, blockOfLeaf, mesh);
   return mesh;
+}
+
+/// Takes the surfaces out of a tree that has blocks, too. Their places count as those of missing blocks. Collective.
+std::vector<NamedLeaf> takeSurfaces(std::vector<Leaf>& leaves, const Ranks& ranks)
+{
+  std::vector<NamedLeaf> surfaces;
+  const auto isBlock = [](const Leaf& leaf) {
+    auto* grid = vtkStructuredGrid::SafeDownCast(leaf.data);
+    return grid && grid->GetNumberOfPoints() > 0 && !isSurface(grid);
+  };
+  if (!ranks.any(std::any_of(leaves.begin(), leaves.end(), isBlock)))
+  {
+    return surfaces;
+  }
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+  {
+    if (isSurface(leaves[i].data))
+    {
+      surfaces.push_back({ leaves[i].data, blockName(leaves[i].name, i) });
+      leaves[i].data = nullptr;
+    }
+  }
+  return surfaces;
+}
+
+} // namespace
+
+std::vector<NamedLeaf> namedLeaves(vtkDataObject* input)
+{
+  std::vector<Leaf> leaves;
+  if (input)
+  {
+    collectLeaves(input, "", leaves);
+  }
+  std::vector<NamedLeaf> result;
+  for (const Leaf& leaf : leaves)
+  {
+    result.push_back({ leaf.data, leaf.name });
+  }
+  return result;
+}
+
+BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
+{
+  if (!ranks.any(needsBlocks(input)))
+  {
+    std::vector<Leaf> leaves;
+    if (input)
+    {
+      collectLeaves(input, "", leaves);
+    }
+    const std::vector<NamedLeaf> surfaces = takeSurfaces(leaves, ranks);
+    BlockMesh mesh = blocksOfLeaves(leaves, input ? input->GetFieldData() : nullptr, grids, ranks);
+    nameBySurfaces(mesh, surfaces, ranks);
+    return mesh;
+  }
+  Execution run;
+  run.parallelFor = [](Index count, Index grain, const Execution::Body& body) { pausedFor(count, grain, body, [] {}); };
+  // Shared by nobody else for as long as this function runs.
+  run.ranks = std::shared_ptr<const Ranks>(&ranks, [](const Ranks*) {});
+  vtkNew<vtkPartitionedDataSetCollection> blocks;
+  HexMeshReport report = hexMeshToBlocks(input, nullptr, {}, blocks, run);
+  BlockMesh mesh = structuredBlocks(blocks, grids, ranks);
+  mesh.notes = std::move(report.notes);
+  mesh.notes.insert(mesh.notes.begin(),
+    std::to_string(report.cells) + " unstructured hexahedra were made to " + std::to_string(report.blocks) +
+      " blocks (Hex Mesh To Blocks).");
+  mesh.warnings = std::move(report.warnings);
+  return mesh;
+}
+
+BlockMesh structuredBlocks(
+  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
+{
+  std::vector<Leaf> leaves;
+  if (input)
+  {
+    collectLeaves(input, "", leaves);
+  }
+  return blocksOfLeaves(leaves, input ? input->GetFieldData() : nullptr, grids, ranks);
 }
 
 vtkSmartPointer<vtkDoubleArray> doublePointArray(

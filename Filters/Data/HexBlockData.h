@@ -55,7 +55,7 @@ struct NamedLeaf
 /// All leaves of a tree, or the one data set, in flat order.
 BSPLINEVOLUMEFILTERS_EXPORT std::vector<NamedLeaf> namedLeaves(vtkDataObject* input);
 
-/// The core's view of `input`. Hexahedra that are not structured, or partly hidden, become blocks first
+/// The core's view of `input`. Surfaces beside blocks name their boundaries (SurfaceNames.h). Hexahedra that are not structured, or partly hidden, become blocks first
 /// (HexMeshData.h); BlockMesh::notes and BlockMesh::warnings tell it. Points stored as x y z triples of float or double
 /// are not copied. Collective: the result has the blocks of all ranks, with the points of those that are here.
 ///

@@ -4,6 +4,7 @@
 #include "Base/ProgressPart.h"
 #include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
+#include "Data/SurfaceNames.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/Ranks.h"
 
@@ -516,7 +517,7 @@ private:
     unsigned int count = 0;
     for (const HexLeaf& leaf : this->Leaves)
     {
-      if (leaf.data->IsA("vtkStructuredGrid"))
+      if (leaf.data->IsA("vtkStructuredGrid") && !isSurface(leaf.data))
       {
         structured->SetPartition(count++, 0, leaf.data);
       }

@@ -333,6 +333,45 @@ def test_files_of_paraview():
             assert bits(data) == expected, ending
 
 
+def test_surfaces_beside_blocks_name_boundaries():
+    # As ParaView's CGNS reader makes them of patches: flat structured grids beside the blocks; or polygons.
+    def flat(b, f):
+        counts = list(COUNTS[b])
+        counts[f // 2] = 0
+        offset = [0, 0, 0]
+        offset[f // 2] = COUNTS[b][f // 2] * (f % 2)
+        return grid(counts, lambda i, j, k: block_points(b, i, j, k), offset)
+
+    def polygons(surface):
+        made = vtk.vtkPolyData()
+        made.SetPoints(surface.GetPoints())
+        cells = vtk.vtkCellArray()
+        for c in range(surface.GetNumberOfCells()):
+            cells.InsertNextCell(surface.GetCell(c))
+        made.SetPolys(cells)
+        return made
+
+    for change in (lambda surface: surface, polygons):
+        tree = vtk.vtkMultiBlockDataSet()
+
+        def add(name, data, tree=tree):
+            tree.SetBlock(tree.GetNumberOfBlocks(), data)
+            tree.GetMetaData(tree.GetNumberOfBlocks() - 1).Set(vtk.vtkCompositeDataSet.NAME(), name)
+        for b in range(3):
+            add("zone %d" % b, grid(COUNTS[b], lambda i, j, k, b=b: block_points(b, i, j, k)))
+            for block, f, name in NAMES:
+                if block == b:
+                    add(name, change(flat(block, f)))
+        # Between two blocks there is no boundary.
+        add("contact", change(flat(0, 1)))
+        report = expect_same(producer(tree), direct([0, 1, 2]))
+        assert "Surfaces beside the blocks name 4 boundaries" in report, report
+        # What lies on no block is said.
+        add("elsewhere", change(grid((3, 2, 0), lambda i, j, k: (i, j, 99.0))))
+        _, report, warnings = convert(producer(tree))
+        assert len(warnings) == 1 and "6 of " in warnings[0] and "'elsewhere'" in warnings[0], warnings
+
+
 def test_extract_surface_is_refused():
     surface = simple.ExtractSurface(Input=read())
     conversion = simple.CatmullClarkToBSplineVolume(Input=surface)
