@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/CADText.h"
 
+#include "Formats/Encodings.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -146,7 +149,120 @@ std::vector<Instance> instancesOf(const std::string& text, const std::string& fi
   return instances;
 }
 
+constexpr std::size_t CardSize = 80;
+constexpr std::size_t SectionColumn = 72;
+
+std::string upperCase(std::string text)
+{
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
+/// Where the text begins behind a byte order mark and, if there may be any, comments.
+std::size_t beginOf(const std::string& text, bool comments)
+{
+  std::size_t at = startsWithMark(text) ? 3 : 0;
+  for (;;)
+  {
+    at = std::min(text.find_first_not_of(" \t\r\n", at), text.size());
+    if (!comments || text.compare(at, 2, "/*") != 0)
+    {
+      return at;
+    }
+    const std::size_t end = text.find("*/", at + 2);
+    at = end == std::string::npos ? text.size() : end + 2;
+  }
+}
+
+/// The first card begins at the first line that is not empty; blanks may be a part of it.
+std::size_t beginOfCards(const std::string& text)
+{
+  const std::size_t first = beginOf(text, false);
+  const std::size_t lineEnd = text.find_last_of("\r\n", first);
+  const std::size_t mark = startsWithMark(text) ? 3 : 0;
+  return first == 0 || lineEnd == std::string::npos || lineEnd > first ? mark : std::max(lineEnd + 1, mark);
+}
+
+std::string plainIGES(const std::string& text)
+{
+  std::string cards;
+  cards.reserve(text.size());
+  for (std::size_t at = beginOfCards(text); at < text.size();)
+  {
+    std::size_t end = std::min(text.find_first_of("\r\n", at), text.size());
+    // Some programs write cards without line ends.
+    const auto isCard = [&](std::size_t first) {
+      return first + CardSize <= end && std::strchr("SGDPTsgdpt", text[first + SectionColumn]) != nullptr;
+    };
+    const bool glued = isCard(at) && isCard(at + CardSize);
+    end = glued ? at + CardSize : end;
+    std::string card = text.substr(at, end - at);
+    if (card.size() > SectionColumn)
+    {
+      card[SectionColumn] = static_cast<char>(std::toupper(static_cast<unsigned char>(card[SectionColumn])));
+    }
+    cards += card + "\n";
+    at = end;
+    if (!glued && at < text.size())
+    {
+      at += text.compare(at, 2, "\r\n") == 0 ? 2 : 1;
+    }
+  }
+  return cards;
+}
+
+std::string plainSTEP(const std::string& text)
+{
+  std::string plain = text.substr(beginOf(text, true));
+  bool inString = false;
+  for (char& c : plain)
+  {
+    inString = inString != (c == '\'');
+    if (!inString)
+    {
+      c = c == '\t' ? ' ' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
+  }
+  return plain;
+}
+
 } // namespace
+
+std::string formatOfCADText(const std::string& start)
+{
+  const std::string begin = upperCase(start.substr(beginOf(start, true), 32));
+  const auto starts = [&](const char* word) { return begin.rfind(word, 0) == 0; };
+  if (starts("ISO-10303-21"))
+  {
+    return "STEP";
+  }
+  if (starts("DBREP_DRAWABLESHAPE") || starts("CASCADE TOPOLOGY"))
+  {
+    return "BREP";
+  }
+  // The first card of an IGES file says S and 1 in its columns 73 to 80; C or B, and that is all, in other forms.
+  const std::string card = start.substr(std::min(beginOfCards(start), start.size()), CardSize);
+  const std::size_t number = card.find_first_not_of(" 0", SectionColumn + 1);
+  if (card.size() == CardSize && number == CardSize - 1 && card[number] == '1')
+  {
+    const char section = static_cast<char>(std::toupper(static_cast<unsigned char>(card[SectionColumn])));
+    if (section == 'S')
+    {
+      return "IGES";
+    }
+    if (section == 'C' || section == 'B')
+    {
+      throw Error(std::string("an IGES file in ") + (section == 'C' ? "compressed" : "binary") +
+        " form; export it in the usual one (ASCII)");
+    }
+  }
+  return {};
+}
+
+std::string plainCADText(const std::string& text, const std::string& format)
+{
+  return format == "IGES" ? plainIGES(text) : format == "STEP" ? plainSTEP(text) : text.substr(beginOf(text, true));
+}
 
 void checkIGESText(const std::string& content, const std::string& fileName)
 {

@@ -15,6 +15,14 @@
 namespace bsv
 {
 
+/// "STEP", "IGES" or "BREP", by how the text begins: behind a byte order mark, blank lines and comments, in capitals or
+/// not; empty for others. @throws Error without a file name for IGES files in compressed or binary form.
+std::string formatOfCADText(const std::string& start);
+
+/// The text as OpenCASCADE reads it: without byte order mark, IGES in lines of cards that begin at once, STEP in
+/// capitals and without tabs outside of strings.
+std::string plainCADText(const std::string& text, const std::string& format);
+
 /// @throws Error naming file and line if the cards are not complete and in order.
 void checkIGESText(const std::string& text, const std::string& fileName);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/NURBSFile.h"
 
+#include "Formats/CADText.h"
+#include "Formats/Encodings.h"
 #include "Formats/G2File.h"
 #include "Formats/ReaderJobs.h"
 #include "IO/RegularFile.h"
@@ -22,34 +24,29 @@ constexpr int MaxCutsPerSpan = 32;
 
 } // namespace
 
-std::string formatOfNURBSFile(const std::string& fileName)
+namespace
+{
+
+/// formatOfNURBSFile() that says what is wrong with what is nearly one of the formats.
+std::string formatOrError(const std::string& fileName)
 {
   if (!isRegularFile(fileName))
   {
     return {};
   }
   std::ifstream stream(fileName, std::ios::binary);
-  std::string head(512, '\0');
+  std::string head(4096, '\0');
   stream.read(&head[0], static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(stream.gcount()));
-  const std::size_t start = head.find_first_not_of(" \t\r\n");
+  const std::string format = formatOfCADText(head);
+  if (!format.empty())
+  {
+    return format;
+  }
+  const std::size_t start = head.find_first_not_of(" \t\r\n", startsWithMark(head) ? 3 : 0);
   if (start == std::string::npos)
   {
     return {};
-  }
-  if (head.compare(start, 12, "ISO-10303-21") == 0)
-  {
-    return "STEP";
-  }
-  if (head.compare(start, 20, "DBRep_DrawableShape") == 0 || head.compare(start, 19, "DBRep_DrawableShape") == 0 ||
-    head.compare(start, 16, "CASCADE Topology") == 0)
-  {
-    return "BREP";
-  }
-  // The first card of an IGES file says S and 1 in its columns 73 to 80.
-  if (head.size() >= 80 && head[72] == 'S' && head.find_first_not_of(" 0", 73) == 79 && head[79] == '1')
-  {
-    return "IGES";
   }
   // Four whole numbers, the first a class.
   std::size_t digits = start;
@@ -62,6 +59,20 @@ std::string formatOfNURBSFile(const std::string& fileName)
     return "GoTools g2";
   }
   return {};
+}
+
+} // namespace
+
+std::string formatOfNURBSFile(const std::string& fileName)
+{
+  try
+  {
+    return formatOrError(fileName);
+  }
+  catch (const Error&)
+  {
+    return {};
+  }
 }
 
 NURBSFileContent parseG2(const std::string& text, const std::string& fileName, const Execution& run)
@@ -184,7 +195,15 @@ NURBSFileContent readNURBSFile(const std::string& fileName, double tolerance, co
   {
     throw Error("the tessellation tolerance is " + std::to_string(tolerance) + ", not positive");
   }
-  const std::string format = formatOfNURBSFile(fileName);
+  std::string format;
+  try
+  {
+    format = formatOrError(fileName);
+  }
+  catch (const Error& error)
+  {
+    throw Error(fileName + ": " + error.what());
+  }
   if (format.empty())
   {
     // Says why, if it cannot even be opened.
@@ -194,18 +213,19 @@ NURBSFileContent readNURBSFile(const std::string& fileName, double tolerance, co
     {
       throw Error(fileName + ": cannot be opened");
     }
-    std::string start(2, ' ');
-    stream.read(start.data(), 2);
-    throw Error(fileName +
-      (stream.gcount() == 0                            ? ": the file is empty"
-          : start == "\x1f\x8b"                        ? ": the file is compressed (gzip); unpack it first"
-          : start == "\xff\xfe" || start == "\xfe\xff" ? ": the file is a text in UTF-16; save it as plain ASCII"
-                                                       : ": neither an IGES, STEP, BREP nor a GoTools g2 file"));
+    std::string start(8, ' ');
+    stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+    const std::string what = otherEncoding(start);
+    throw Error(fileName + ": " +
+      (stream.gcount() == 0 ? "the file is empty"
+          : !what.empty()   ? "the file is " + what
+                            : "neither an IGES, STEP, BREP nor a GoTools g2 file"));
   }
   NURBSFileContent content;
   if (format == "GoTools g2")
   {
-    content = parseG2(readTextFile(fileName), fileName, run);
+    std::string text = readTextFile(fileName);
+    content = parseG2(startsWithMark(text) ? text.substr(3) : text, fileName, run);
     Eigen::AlignedBox3d box;
     for (const BodyPatch& patch : content.patches)
     {

@@ -80,16 +80,61 @@ NURBSFileContent readCADFile(const std::string& fileName, const std::string& for
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
 #include <unordered_set>
+
+#include <unistd.h>
 
 namespace bsv
 {
 
 namespace
 {
+
+/// A file for OpenCASCADE, which reads no text from memory; gone with this object.
+class TemporaryText
+{
+public:
+  TemporaryText() = default;
+  TemporaryText(const TemporaryText&) = delete;
+  TemporaryText& operator=(const TemporaryText&) = delete;
+  ~TemporaryText()
+  {
+    if (!this->Name.empty())
+    {
+      ::unlink(this->Name.c_str());
+    }
+  }
+
+  /// @param original for the error
+  void write(const std::string& text, const std::string& original)
+  {
+    std::error_code failure;
+    std::string name = (std::filesystem::temp_directory_path(failure) / "bsplinevolume-XXXXXX").string();
+    const int file = failure ? -1 : ::mkstemp(name.data());
+    if (file >= 0)
+    {
+      this->Name = name;
+      ::close(file);
+      std::ofstream stream(name, std::ios::binary);
+      stream << text;
+      stream.close();
+      if (stream)
+      {
+        return;
+      }
+    }
+    throw Error(original + ": a plain copy of it cannot be written to the folder of temporary files");
+  }
+  const std::string& name() const { return this->Name; }
+
+private:
+  std::string Name;
+};
 
 /// Fraction of a parameter range within which a trimming curve counts as a side of the domain.
 constexpr double SideFraction = 1e-9;
@@ -949,8 +994,14 @@ NURBSFileContent readCADFile(
   NURBSFileContent content;
   content.format = format;
   STEPEntities entities;
+  TemporaryText copy;
   {
-    const std::string text = readTextFile(fileName);
+    const std::string original = readTextFile(fileName);
+    const std::string text = plainCADText(original, format);
+    if (text != original)
+    {
+      copy.write(text, fileName);
+    }
     if (format == "STEP")
     {
       entities = checkSTEPText(text, fileName);
@@ -960,6 +1011,7 @@ NURBSFileContent readCADFile(
       format == "IGES" ? checkIGESText(text, fileName) : checkBREPText(text, fileName);
     }
   }
+  const std::string opened = copy.name().empty() ? fileName : copy.name();
   std::map<std::string, int> dropped;
   OpenCASCADESession session;
   try
@@ -974,7 +1026,7 @@ NURBSFileContent readCADFile(
     {
       // Surfaces stay whole although their knots may be multiple, and numbers stay those of the file.
       session.set("read.iges.bspline.continuity", 0);
-      if (iges.ReadFile(fileName.c_str()) != IFSelect_RetDone || iges.IGESModel().IsNull())
+      if (iges.ReadFile(opened.c_str()) != IFSelect_RetDone || iges.IGESModel().IsNull())
       {
         throw Error(fileName + ": OpenCASCADE cannot read it as an IGES file");
       }
@@ -1013,7 +1065,7 @@ NURBSFileContent readCADFile(
       {
         dropped[keyword + " that refers to a missing entity"] += count;
       }
-      if (step.ReadFile(fileName.c_str()) != IFSelect_RetDone)
+      if (step.ReadFile(opened.c_str()) != IFSelect_RetDone)
       {
         throw Error(fileName + ": OpenCASCADE cannot read it as a STEP file");
       }
@@ -1060,7 +1112,7 @@ NURBSFileContent readCADFile(
     else
     {
       BRep_Builder builder;
-      if (!BRepTools::Read(shape, fileName.c_str(), builder) || shape.IsNull())
+      if (!BRepTools::Read(shape, opened.c_str(), builder) || shape.IsNull())
       {
         throw Error(fileName + ": OpenCASCADE cannot read it as a BREP file");
       }

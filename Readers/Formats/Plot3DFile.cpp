@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plot3DFile.h"
 
+#include "Formats/Encodings.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -557,24 +559,10 @@ std::string otherKindOfText(InputFile& file, Index values)
 /// The file has not been read as what it is: says so if it is packed, or a text in an encoding of its own.
 void refuseEncodings(InputFile& file)
 {
-  const std::string start = file.start(6);
-  static const std::pair<std::string, const char*> encodings[] = {
-    { "\xff\xfe", "a text in UTF-16; save it as plain ASCII or UTF-8" },
-    { "\xfe\xff", "a text in UTF-16; save it as plain ASCII or UTF-8" },
-    { "\x1f\x8b", "compressed (gzip); unpack it first" },
-    { "BZh", "compressed (bzip2); unpack it first" },
-    { std::string("\xfd"
-                  "7zXZ"),
-      "compressed (xz); unpack it first" },
-    { "\x28\xb5\x2f\xfd", "compressed (zstd); unpack it first" },
-    { "PK\x03\x04", "a zip archive; unpack it first" },
-  };
-  for (const auto& [mark, what] : encodings)
+  const std::string what = otherEncoding(file.start(6));
+  if (!what.empty())
   {
-    if (start.compare(0, mark.size(), mark) == 0)
-    {
-      throw Error(file.name() + ": the file is " + what);
-    }
+    throw Error(file.name() + ": the file is " + what);
   }
 }
 

@@ -59,6 +59,7 @@
 #include <Message_Messenger.hxx>
 #include <STEPControl_Writer.hxx>
 #include <TopExp.hxx>
+#include <TopLoc_Location.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Compound.hxx>
 #endif
@@ -697,6 +698,116 @@ TEST(NURBSSurfaceReader, SplinesKeepEveryBit)
   reading.read(folder / "splines.brep");
   expectSameBits(reading.patches(), { surface, kinked });
   EXPECT_EQ(smoothPieces(reading.patches()[1].surface).size(), 2u);
+}
+
+TEST(NURBSSurfaceReader, TextsOfAnyProgram)
+{
+  const TemporaryFolder folder;
+  const std::string mark = "\xef\xbb\xbf";
+  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    {
+      text.replace(at, from.size(), to);
+    }
+    return text;
+  };
+  writeShape(BRepPrimAPI_MakeCylinder(2.0, 3.0).Shape(), folder / "plain.step");
+  writeShape(BRepPrimAPI_MakeCylinder(2.0, 3.0).Shape(), folder / "plain.igs");
+  writeShape(BRepPrimAPI_MakeCylinder(2.0, 3.0).Shape(), folder / "plain.brep");
+  for (const std::string format : { "step", "igs", "brep" })
+  {
+    Reading plain;
+    plain.read(folder / ("plain." + format));
+    ASSERT_TRUE(plain.errors.empty()) << plain.errors[0];
+    const std::string text = readFile(folder / ("plain." + format));
+    std::vector<std::string> texts{ replaced(text, "\n", "\r\n"), mark + text, "\n\n" + text };
+    if (format != "brep")
+    {
+      texts.push_back(replaced(text, "\n", "\r"));
+    }
+    if (format == "step")
+    {
+      std::string lower = text;
+      std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+      texts.push_back(lower);
+      texts.push_back(replaced(text, " ", "\t"));
+      texts.push_back("/* by hand */ " + replaced(text, "\n", " "));
+    }
+    if (format == "igs")
+    {
+      std::string lower = text;
+      std::string glued;
+      for (std::size_t at = 0; at < text.size(); at += 81)
+      {
+        lower[at + 72] = static_cast<char>(std::tolower(text[at + 72]));
+        glued += text.substr(at, 80);
+      }
+      texts.push_back(lower);
+      texts.push_back(glued);
+    }
+    for (const std::string& other : texts)
+    {
+      SCOPED_TRACE(format + " " + std::to_string(&other - texts.data()));
+      writeFile(folder / ("other." + format), other);
+      EXPECT_EQ(vtkNURBSSurfaceReader::CanReadFile((folder / ("other." + format)).c_str()), 1);
+      Reading reading;
+      reading.read(folder / ("other." + format));
+      ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+      std::vector<NURBSSurface> surfaces;
+      for (const BodyPatch& patch : plain.patches())
+      {
+        surfaces.push_back(patch.surface);
+      }
+      expectSameBits(reading.patches(), surfaces);
+    }
+  }
+  writeFile(folder / "marked.g2", mark + g2(bumpy(5, { 3, 4 }, { 4, 3 }, 0.4, true)));
+  Reading marked;
+  marked.read(folder / "marked.g2");
+  EXPECT_TRUE(marked.errors.empty()) << marked.errors[0];
+
+  // What is packed or in another form says so.
+  writeFile(folder / "packed.stpz", "PK\x03\x04 and more");
+  EXPECT_NE(refused(folder / "packed.stpz").find("zip archive"), std::string::npos);
+  writeFile(folder / "form.igs", std::string(72, ' ') + "C      1\n");
+  EXPECT_NE(refused(folder / "form.igs").find("compressed form"), std::string::npos);
+}
+
+TEST(NURBSSurfaceReader, AssembliesAreInTheirPlaces)
+{
+  const TemporaryFolder folder;
+  // Two instances of a part, one of them in an assembly within the assembly, and another part.
+  const TopoDS_Shape part = BRepPrimAPI_MakeTorus(3.0, 1.0).Shape();
+  const auto placed = [&](const TopoDS_Shape& shape, double turn, const gp_Vec& shift) {
+    gp_Trsf rotation;
+    rotation.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(1, 2, 3)), turn);
+    gp_Trsf translation;
+    translation.SetTranslation(shift);
+    return shape.Moved(TopLoc_Location(translation * rotation));
+  };
+  BRep_Builder builder;
+  TopoDS_Compound inner;
+  builder.MakeCompound(inner);
+  builder.Add(inner, placed(part, 0.5, gp_Vec(10, 0, 0)));
+  builder.Add(inner, BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape());
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  builder.Add(all, placed(part, 1.0, gp_Vec(0, 20, 0)));
+  builder.Add(all, placed(inner, -0.7, gp_Vec(0, 0, 30)));
+  Interface_Static::SetIVal("write.step.assembly", 1);
+  for (const char* unit : { "MM", "INCH", "M" })
+  {
+    SCOPED_TRACE(unit);
+    writeShape(all, folder / "assembly.step", unit);
+    Reading reading;
+    reading.reader->SetLengthUnit(vtkNURBSSurfaceReader::MILLIMETRE);
+    reading.read(folder / "assembly.step");
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    EXPECT_TRUE(reading.warnings.empty()) << reading.warnings[0];
+    EXPECT_EQ(reading.reader->GetNumberOfPatches(), 1 + 1 + 6);
+    compareClosestPoints(reading.patches(), all, 40);
+  }
+  Interface_Static::SetIVal("write.step.assembly", 0);
 }
 
 TEST(NURBSSurfaceReader, WhatIsNoSurfaceIsCounted)
