@@ -55,9 +55,10 @@ struct NamedLeaf
 /// All leaves of a tree, or the one data set, in flat order.
 BSPLINEVOLUMEFILTERS_EXPORT std::vector<NamedLeaf> namedLeaves(vtkDataObject* input);
 
-/// The core's view of `input`. Surfaces beside blocks name their boundaries (SurfaceNames.h). Hexahedra that are not structured, or partly hidden, become blocks first
-/// (HexMeshData.h); BlockMesh::notes and BlockMesh::warnings tell it. Points stored as x y z triples of float or double
-/// are not copied. Collective: the result has the blocks of all ranks, with the points of those that are here.
+/// The core's view of `input`. Surfaces beside blocks name their boundaries (SurfaceNames.h). Hexahedra that are not
+/// structured, or partly hidden, become blocks first (HexMeshData.h); BlockMesh::notes and BlockMesh::warnings tell it.
+/// Points stored as x y z triples of float or double are not copied. Collective: the result has the blocks of all
+/// ranks, with the points of those that are here.
 ///
 /// A block that several ranks have belongs to the lowest of them. Field data are taken from the ranks that have them.
 /// @param[out] grids the grid of every block of the result, in its order, null for those on other ranks. They own the
