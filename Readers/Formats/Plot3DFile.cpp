@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 namespace bsv
 {
@@ -123,6 +124,63 @@ public:
 
   void read(Index offset, void* target, Index bytes)
   {
+    if (this->Records.empty())
+    {
+      this->readPlain(offset, target, bytes);
+      return;
+    }
+    auto record = std::upper_bound(
+      this->Records.begin(), this->Records.end(), offset, [](Index value, const Record& r) { return value < r.start; });
+    auto* to = static_cast<char*>(target);
+    for (--record; bytes > 0; ++record)
+    {
+      const Index skipped = offset - record->start;
+      const Index part = record + 1 == this->Records.end() ? bytes : std::min(bytes, record[1].start - offset);
+      this->readPlain(record->place + skipped, to, part);
+      to += part;
+      offset += part;
+      bytes -= part;
+    }
+  }
+
+  /// Makes one stream of the contents of all records, whatever their number, if the whole file is a chain of them: from
+  /// then on there are no markers. Of a record that is too long for its marker there are several, whose markers are
+  /// negative where others follow or precede. @param valueAt(offset) a marker
+  template <typename ValueAt>
+  bool joinRecords(Index marker, const ValueAt& valueAt)
+  {
+    std::vector<Record> records;
+    Index content = 0;
+    for (Index at = 0; at < this->Size;)
+    {
+      if (this->Size - at < 2 * marker)
+      {
+        return false;
+      }
+      const Index bytes = std::abs(valueAt(at));
+      if (bytes > this->Size - at - 2 * marker || std::abs(valueAt(at + marker + bytes)) != bytes)
+      {
+        return false;
+      }
+      if (bytes > 0)
+      {
+        records.push_back({ content, at + marker });
+      }
+      content += bytes;
+      at += bytes + 2 * marker;
+    }
+    if (records.empty())
+    {
+      return false;
+    }
+    this->Records = std::move(records);
+    this->Size = content;
+    return true;
+  }
+
+private:
+  void readPlain(Index offset, void* target, Index bytes)
+  {
     this->Stream.seekg(offset);
     this->Stream.read(static_cast<char*>(target), bytes);
     if (this->Stream.gcount() != bytes || !this->Stream)
@@ -133,6 +191,7 @@ public:
     }
   }
 
+public:
   /// The first bytes, or all if there are fewer.
   std::string start(Index bytes, Index from = 0)
   {
@@ -145,9 +204,17 @@ public:
   Index textStart() { return this->start(3) == "\xef\xbb\xbf" ? 3 : 0; }
 
 private:
+  struct Record
+  {
+    /// Of its content, in that of all records and in the file.
+    Index start;
+    Index place;
+  };
+
   std::string Name;
   Index Size;
   std::ifstream Stream;
+  std::vector<Record> Records;
 };
 
 /// A binary file starts with counts of 4 or 8 bytes below 2^24 or with such a record marker: there is a zero byte
@@ -371,7 +438,8 @@ private:
       const auto [end, failure] = std::from_chars(this->Value, star, this->Repeat);
       if (failure != std::errc() || end != star || this->Repeat < 1 || star + 1 == this->ValueEnd)
       {
-        this->fail("'" + this->shown() + "' is not a repeat count of at least 1, '*' and a value");
+        this->fail("'" + this->shown() + "' is not a repeat count of at least 1, '*' and a value" +
+          (this->shown()[0] == '*' ? "; Fortran writes stars for a number that does not fit its format" : ""));
       }
       this->Value = star + 1;
     }
@@ -728,9 +796,21 @@ Value readValue(InputFile& file, Index offset, ByteOrder order)
   return isForeign(order) ? swapBytes(value) : value;
 }
 
-Index markerSize(Plot3DFormat format)
+/// Of the markers that are seen.
+Index markerSize(const Plot3DLayout& layout)
 {
-  return format == Plot3DFormat::Fortran ? 4 : format == Plot3DFormat::Fortran64 ? 8 : 0;
+  return layout.joined                         ? 0
+    : layout.format == Plot3DFormat::Fortran   ? 4
+    : layout.format == Plot3DFormat::Fortran64 ? 8
+                                               : 0;
+}
+
+bool joinRecords(InputFile& file, Plot3DFormat format, ByteOrder order)
+{
+  const Index marker = format == Plot3DFormat::Fortran ? 4 : 8;
+  return file.joinRecords(marker, [&](Index at) {
+    return marker == 4 ? Index(readValue<std::int32_t>(file, at, order)) : readValue<std::int64_t>(file, at, order);
+  });
 }
 
 /// Bytes of a block's values.
@@ -743,7 +823,7 @@ Index blockSize(const Plot3DLayout& layout, const Ijk& counts)
 /// Where the first block's values (or the marker before them) start.
 Index headerSize(const Plot3DLayout& layout)
 {
-  const Index marker = markerSize(layout.format);
+  const Index marker = markerSize(layout);
   return (layout.multiBlock ? layout.integerSize + 2 * marker : 0) +
     3 * layout.integerSize * static_cast<Index>(layout.counts.size()) + 2 * marker;
 }
@@ -756,6 +836,7 @@ std::string layoutName(const Plot3DLayout& layout)
   {
     text += layout.byteOrder == ByteOrder::LittleEndian ? ", little-endian" : ", big-endian";
     text += layout.integerSize == 8 ? ", integers of 8 bytes" : "";
+    text += layout.joined ? ", in records of its own" : "";
   }
   return text;
 }
@@ -805,7 +886,7 @@ struct Failure
 /// Reads the markers around a record of `bytes`, which starts at `offset`.
 void checkRecord(InputFile& file, const Plot3DLayout& layout, Index offset, Index bytes, const std::string& what)
 {
-  const Index marker = markerSize(layout.format);
+  const Index marker = markerSize(layout);
   for (const Index at : { offset, offset + marker + bytes })
   {
     if (at + marker > file.size())
@@ -828,7 +909,7 @@ void checkRecord(InputFile& file, const Plot3DLayout& layout, Index offset, Inde
 /// @throws Error with the reason, without the file's name.
 void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
 {
-  const Index marker = markerSize(layout.format);
+  const Index marker = markerSize(layout);
   Index offset = 0;
   Index blocks = 1;
   const Index size = layout.integerSize;
@@ -889,7 +970,7 @@ void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
 /// @throws Error with the reason, without the file's name.
 void checkBlocks(InputFile& file, const Plot3DLayout& layout)
 {
-  const Index marker = markerSize(layout.format);
+  const Index marker = markerSize(layout);
   Index offset = headerSize(layout);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
   {
@@ -915,7 +996,7 @@ void checkBlocks(InputFile& file, const Plot3DLayout& layout)
 /// Whether the first coordinates look like numbers that someone wrote: neither NaN nor of absurd size.
 bool believable(InputFile& file, const Plot3DLayout& layout)
 {
-  const Index offset = headerSize(layout) + markerSize(layout.format);
+  const Index offset = headerSize(layout) + markerSize(layout);
   const bool isFloat = layout.realType == RealType::Float;
   const Index count = std::min<Index>(1000, 3 * pointCount(layout.counts[0]));
   for (Index i = 0; i < count; ++i)
@@ -988,7 +1069,7 @@ void forEachBinaryHeader(InputFile& file, const Plot3DOptions& options, const Vi
 bool fillFile(
   InputFile& file, const Plot3DLayout& layout, Index offset, const std::vector<Index>& records, bool iblank, int dims)
 {
-  const Index marker = markerSize(layout.format);
+  const Index marker = markerSize(layout);
   const Index real = layout.realType == RealType::Float ? 4 : 8;
   for (const Index values : records)
   {
@@ -1030,7 +1111,7 @@ std::string otherKindOfBinary(InputFile& file, bool records)
         layout.multiBlock = (bits & 2) == 0;
         layout.integerSize = bits & 4 ? 8 : 4;
         layout.realType = bits & 8 ? RealType::Double : RealType::Float;
-        const Index marker = markerSize(format);
+        const Index marker = markerSize(layout);
         const Index size = layout.integerSize;
         if (marker == 0 && (records || kind.onlyInRecords))
         {
@@ -1052,6 +1133,13 @@ std::string otherKindOfBinary(InputFile& file, bool records)
           const std::vector<Index> header = readIntegers(file, offset + marker, kind.counts * blocks, layout);
           std::vector<Index> lengths;
           bool possible = std::all_of(header.begin(), header.end(), [](Index count) { return count >= 1; });
+          // Three planes look like three coordinates.
+          bool told = !kind.onlyInRecords;
+          for (std::size_t at = 2; at < header.size(); at += kind.counts)
+          {
+            told = told || header[at] != 3;
+          }
+          possible = possible && told;
           for (auto at = header.begin(); possible && at != header.end(); at += kind.counts)
           {
             const std::vector<Index> own = kind.records({ at, at + kind.counts });
@@ -1071,6 +1159,55 @@ std::string otherKindOfBinary(InputFile& file, bool records)
         {
           // Not this one.
         }
+      }
+    }
+  }
+  return {};
+}
+
+/// The layout of a file whose records are others than usual, such as one per coordinate, or parts of a long one.
+std::optional<Plot3DLayout> joinedLayout(const std::string& fileName, const Plot3DOptions& options)
+{
+  for (const Plot3DFormat format : choices(options.format, { Plot3DFormat::Fortran, Plot3DFormat::Fortran64 }))
+  {
+    for (const ByteOrder order : choices(options.byteOrder, { ByteOrder::LittleEndian, ByteOrder::BigEndian }))
+    {
+      InputFile file(fileName);
+      if (format == Plot3DFormat::Binary || format == Plot3DFormat::Ascii || !joinRecords(file, format, order))
+      {
+        continue;
+      }
+      Plot3DOptions content = options;
+      content.format = Plot3DFormat::Binary;
+      content.byteOrder = order;
+      std::optional<Plot3DLayout> found;
+      forEachBinaryHeader(file, content, [&](Plot3DLayout& layout, Progress, const Error* error) {
+        for (const RealType real : choices(options.realType, { RealType::Float, RealType::Double }))
+        {
+          for (const IBlank iblank : choices(options.iblank, { IBlank::Absent, IBlank::Present }))
+          {
+            layout.realType = real;
+            layout.iblank = iblank;
+            try
+            {
+              if (!error && !found)
+              {
+                checkBlocks(file, layout);
+                found = believable(file, layout) ? layout : found;
+              }
+            }
+            catch (const Error&)
+            {
+              // Not this one.
+            }
+          }
+        }
+      });
+      if (found)
+      {
+        found->format = format;
+        found->joined = true;
+        return found;
       }
     }
   }
@@ -1139,6 +1276,11 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
   {
     throw Error(file.name() + ": " + other);
   }
+  const std::optional<Plot3DLayout> joined = joinedLayout(file.name(), options);
+  if (joined)
+  {
+    return *joined;
+  }
   std::string text = file.name() + ": no PLOT3D layout explains the file of " + std::to_string(file.size()) +
     " bytes. Tried were all combinations of format, byte order, precision and iblank that the properties leave open. ";
   if (farthest == Nothing)
@@ -1186,7 +1328,7 @@ void readBinary(
     done += count;
     run.report(double(done) / double(total));
   };
-  const Index marker = markerSize(layout.format);
+  const Index marker = markerSize(layout);
   Index next = headerSize(layout);
   for (GridBlock& block : blocks)
   {
@@ -1337,6 +1479,10 @@ std::vector<GridBlock> readPlot3D(
   const std::string& fileName, const Plot3DLayout& layout, const Execution& run, const Piece& piece)
 {
   InputFile file(fileName);
+  if (layout.joined && !joinRecords(file, layout.format, layout.byteOrder))
+  {
+    throw Error(fileName + ": the file has changed while it was read");
+  }
   const std::vector<int> owners = piece.owners(layout.counts);
   std::vector<GridBlock> blocks(layout.counts.size());
   for (std::size_t b = 0; b < blocks.size(); ++b)
@@ -1349,7 +1495,7 @@ std::vector<GridBlock> readPlot3D(
   {
     layout.format == Plot3DFormat::Ascii ? readAscii(file, layout, blocks, piece, run)
                                          : readBinary(file, layout, blocks, piece, run);
-    if (layout.format == Plot3DFormat::Ascii || layout.format == Plot3DFormat::Binary)
+    if (layout.format == Plot3DFormat::Ascii || layout.format == Plot3DFormat::Binary || layout.joined)
     {
       const auto own =
         std::find_if(blocks.begin(), blocks.end(), [](const GridBlock& block) { return block.isHere(); });

@@ -9,7 +9,8 @@
 ///   exponents e, d or q;
 /// - raw binary: nothing else;
 /// - Fortran unformatted: three sorts of records (number of blocks; points per direction; one block each) between
-///   markers of 4 or 8 bytes that tell their length. Records split because they are longer than 2 GiB are not read.
+///   markers of 4 or 8 bytes that tell their length. Other records are read as well, such as one per coordinate, or
+///   the parts of one that is longer than 2 GiB.
 ///
 /// Source: P. P. Walatka et al., PLOT3D User's Manual, NASA TM-101067 (1990), chapter 8.
 #pragma once
@@ -69,6 +70,8 @@ struct Plot3DLayout : Plot3DOptions
 {
   /// Whether the file starts with the number of blocks.
   bool multiBlock = true;
+  /// Whether the records are others than those below: only their contents, one after the other, count.
+  bool joined = false;
   /// Bytes of an integer of a binary file: 4 or 8.
   int integerSize = 4;
   /// Points per direction of every block.

@@ -165,6 +165,70 @@ TEST(HexBlockMeshReader, FindsEveryPlot3DLayout)
   }
 }
 
+TEST(HexBlockMeshReader, RecordsCutInAnyWay)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = meshcases::cutBox({ 5, 3, 2 }, { { { 3 }, {}, {} } }, meshcases::wavy);
+  for (const Plot3DKind& kind : allPlot3DKinds())
+  {
+    if (kind.ascii || kind.marker == 0 || !kind.multiBlock)
+    {
+      continue;
+    }
+    SCOPED_TRACE(kind.name());
+    Plot3DKind raw = kind;
+    raw.marker = 0;
+    const std::string content = plot3D(mesh, raw);
+    // Lengths of records.
+    const std::size_t real = kind.isFloat ? 4 : 8;
+    std::vector<std::size_t> perCoordinate{ 4, 24 };
+    std::vector<std::size_t> perBlock{ 4, 24 };
+    std::vector<std::size_t> sizes{ 4, 12, 12 };
+    for (const MeshCase::Block& block : mesh.blocks)
+    {
+      const std::size_t points = block.points.size();
+      perCoordinate.insert(perCoordinate.end(), 3, real * points);
+      perCoordinate.insert(perCoordinate.end(), kind.iblank ? 1 : 0, 4 * points);
+      perBlock.push_back(points * (3 * real + (kind.iblank ? 4 : 0)));
+      sizes.push_back(perBlock.back());
+    }
+    std::vector<std::size_t> oneHeader{ 28 };
+    oneHeader.insert(oneHeader.end(), perBlock.begin() + 2, perBlock.end());
+    // A record that is longer goes on in the next one.
+    const auto write = [&](const std::vector<std::size_t>& lengths, std::size_t longest) {
+      std::string file;
+      std::size_t at = 0;
+      for (const std::size_t length : lengths)
+      {
+        for (std::size_t done = 0; done < length; done += std::min(longest, length - done))
+        {
+          const std::size_t part = std::min(longest, length - done);
+          const auto marker = [&](bool negative) {
+            const auto value = static_cast<std::int64_t>(part) * (negative ? -1 : 1);
+            kind.marker == 4 ? append(file, std::int32_t(value), kind.bigEndian) : append(file, value, kind.bigEndian);
+          };
+          marker(done + part < length);
+          file += content.substr(at, part);
+          at += part;
+          marker(done > 0);
+        }
+      }
+      EXPECT_EQ(at, content.size());
+      writeFile(folder / "cut.x", file);
+      Reading reading;
+      read(reading, folder / "cut.x");
+      ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+      EXPECT_NE(std::string(reading.reader->GetFileLayout()).find("in records of its own"), std::string::npos);
+      expectSamePoints(mesh, readMesh(reading).mesh, kind.isFloat, kind.name());
+    };
+    constexpr std::size_t Any = 1 << 30;
+    write(perCoordinate, Any);
+    write(oneHeader, Any);
+    write(sizes, Any);
+    write(perBlock, 40);
+  }
+}
+
 TEST(HexBlockMeshReader, LayoutGivenIsTheLayoutTaken)
 {
   TemporaryFolder folder;
