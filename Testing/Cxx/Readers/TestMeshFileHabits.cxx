@@ -21,6 +21,7 @@
 // clang-format on
 
 #include <functional>
+#include <iostream>
 #include <map>
 #include <set>
 
@@ -279,6 +280,17 @@ TEST(MeshFileHabits, BoundariesInEightWays)
       (std::vector<bsv::BoundaryRole>{
         bsv::BoundaryRole::Body, bsv::BoundaryRole::Symmetry, bsv::BoundaryRole::Other }));
     EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+    // A row of the table that a run of this test alone prints.
+    std::cout << "| " << way.what << " | " << (quads == first ? "the same" : "OTHER") << " quadrilaterals and types | ";
+    for (std::size_t n = 0; n < found.mesh.boundaryNames.size(); ++n)
+    {
+      const bsv::BoundaryRole role = roles(found.mesh)[n];
+      std::cout << found.mesh.boundaryNames[n] << ": "
+                << (role == bsv::BoundaryRole::Body          ? "body, "
+                       : role == bsv::BoundaryRole::Symmetry ? "symmetry, "
+                                                             : "other, ");
+    }
+    std::cout << found.mesh.interfaces.size() << " contacts |\n";
   }
   EXPECT_EQ(first.size(), 3u);
   EXPECT_EQ(first["upper skin: BCWallViscous"].size(), 4u * 3 + 3 * 3);
