@@ -3,6 +3,7 @@
 /// Every filter, reader and writer, each with a small input, for tests of what holds for all of them.
 #pragma once
 
+#include "vtkBSplineVolumeDifference.h"
 #include "vtkBSplineVolumeIsoparametric.h"
 #include "vtkBSplineVolumeProbe.h"
 #include "vtkBSplineVolumeQuality.h"
@@ -252,6 +253,8 @@ public:
     add(static_cast<vtkBSplineVolumeSampler*>(nullptr), "BSplineVolumeSampler", { this->Volume }, asIs);
     add(static_cast<vtkBSplineVolumeQuality*>(nullptr), "BSplineVolumeQuality", { this->Volume }, asIs);
     add(static_cast<vtkBSplineVolumeSmoothness*>(nullptr), "BSplineVolumeSmoothness", { this->Volume }, asIs);
+    add(static_cast<vtkBSplineVolumeDifference*>(nullptr), "BSplineVolumeDifference", { this->Volume, this->Volume },
+      asIs);
     add(static_cast<vtkBSplineVolumeIsoparametric*>(nullptr), "BSplineVolumeIsoparametric", { this->Volume }, asIs);
     add(static_cast<vtkBSplineVolumeProbe*>(nullptr), "BSplineVolumeProbe", { this->Volume, this->Hexahedra }, asIs);
     add(static_cast<vtkBSplineVolumeToBezier*>(nullptr), "BSplineVolumeToBezier", { this->Volume }, asIs);
