@@ -3,6 +3,7 @@
 
 #include "Data/BSplineVolumeData.h"
 #include "Data/BoundarySelection.h"
+#include "Data/FaceBounds.h"
 #include "Data/HexBlockData.h"
 #include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
@@ -326,16 +327,31 @@ Row rowOf(const bsv::Join& join, const std::vector<std::string>& names)
     bsv::shortNumber(join.worst[int(kind)].value) + (angle ? " degrees" : ""), measureName(kind) };
 }
 
-/// The border of an interface, or the line of a wall border.
-std::vector<Vec3> outline(const bsv::Join& join)
+/// A point of a line with the jump that is shown.
+struct LinePoint
 {
+  double x, y, z, jump;
+};
+
+/// The border of an interface, or the line of a wall border.
+std::vector<LinePoint> outline(const bsv::Join& join)
+{
+  const std::vector<double>& jumps = join.values[int(JumpKind::Layer)];
+  std::vector<LinePoint> line;
+  const int ns = join.samples[0], nt = join.samples[1];
+  const auto add = [&](int s, int t) {
+    const std::size_t n = s + std::size_t(ns) * t;
+    const Vec3& x = join.points[n];
+    line.push_back({ x[0], x[1], x[2], jumps[n] });
+  };
   if (join.border())
   {
-    return join.points;
+    for (int s = 0; s < ns; ++s)
+    {
+      add(s, 0);
+    }
+    return line;
   }
-  const int ns = join.samples[0], nt = join.samples[1];
-  std::vector<Vec3> line;
-  const auto add = [&](int s, int t) { line.push_back(join.points[s + std::size_t(ns) * t]); };
   for (int s = 0; s + 1 < ns; ++s)
   {
     add(s, 0);
@@ -355,12 +371,26 @@ std::vector<Vec3> outline(const bsv::Join& join)
   return line;
 }
 
-/// One line per join, in the order of the list: on the first rank, which gets them from the others. Collective.
-/// @param entries class, what, blocks, jump, measure and the six bounds, between tabulators
-void fillList(vtkPolyData* output, vtkStringArray* entries, const bsv::SmoothnessResult& result,
-  const bsv::BSplineVolumeBlocks& input, const bsv::Ranks& ranks)
+/// What to look at to see a join: around the place where it is worst, an eighth of the wall, or of the join if that is
+/// smaller or there is no wall.
+Eigen::AlignedBox3d closeUp(const Vec3& at, const Eigen::AlignedBox3d& line, const Eigen::AlignedBox3d& wall)
 {
-  std::vector<double> coordinates;
+  double size = line.diagonal().norm();
+  if (!wall.isEmpty())
+  {
+    size = std::min(size, wall.diagonal().norm());
+  }
+  const Vec3 half = Vec3::Constant(size / 16.0);
+  return { at - half, at + half };
+}
+
+/// One line per join, in the order of the list: on the first rank, which gets them from the others. Collective.
+/// @param entries class, what, blocks, jump, measure, six bounds of what to look at and the direction in which the wall
+/// lies seen from there (0 0 0: there is none), between tabulators
+void fillList(vtkPolyData* output, vtkStringArray* entries, const bsv::SmoothnessResult& result,
+  const bsv::BSplineVolumeBlocks& input, const Eigen::AlignedBox3d& wall, const bsv::Ranks& ranks)
+{
+  std::vector<LinePoint> mine;
   std::vector<bsv::Index> counts;
   const std::vector<int> order = bsv::rankedByClass(result);
   for (const int n : order)
@@ -368,16 +398,13 @@ void fillList(vtkPolyData* output, vtkStringArray* entries, const bsv::Smoothnes
     const bsv::Join& join = result.joins[n];
     if (input.isHere(join.sides[0].block))
     {
-      const std::vector<Vec3> line = outline(join);
+      const std::vector<LinePoint> line = outline(join);
       counts.push_back(static_cast<bsv::Index>(line.size()));
-      for (const Vec3& x : line)
-      {
-        coordinates.insert(coordinates.end(), x.data(), x.data() + 3);
-      }
+      mine.insert(mine.end(), line.begin(), line.end());
     }
   }
   const auto allCounts = ranks.gather(counts);
-  const auto allCoordinates = ranks.gather(coordinates);
+  const auto allPoints = ranks.gather(mine);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   vtkNew<vtkCellArray> lines;
@@ -385,36 +412,37 @@ void fillList(vtkPolyData* output, vtkStringArray* entries, const bsv::Smoothnes
   const auto rank = filled<vtkIntArray>("1 Rank", 0, 0);
   const auto joinClass = filled<vtkIntArray>("JoinClass", 0, 0);
   const auto layerJump = filled<vtkDoubleArray>(ShownTitle, 0, 0.0);
+  const auto jumpHere = filled<vtkDoubleArray>(ShownTitle, 0, 0.0);
+  vtkNew<vtkDoubleArray> where;
+  where->SetName("Where");
+  where->SetNumberOfComponents(3);
   std::array<vtkNew<vtkStringArray>, 5> texts;
   static constexpr const char* Names[5] = { "2 Class", "3 What", "4 Blocks", "5 Jump", "6 Measure" };
   for (int n = 0; n < 5; ++n)
   {
     texts[n]->SetName(Names[n]);
   }
-  std::vector<std::size_t> nextCount(allCounts.size(), 0), nextCoordinate(allCounts.size(), 0);
+  std::vector<std::size_t> nextCount(allCounts.size(), 0), nextPoint(allCounts.size(), 0);
   for (std::size_t row = 0; row < order.size() && ranks.rank() == 0; ++row)
   {
     const bsv::Join& join = result.joins[order[row]];
     const int from = input.ranks[join.sides[0].block];
     const bsv::Index count = allCounts[from][nextCount[from]++];
     lines->InsertNextCell(static_cast<int>(count));
-    double bounds[6] = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX,
-      -VTK_DOUBLE_MAX };
+    Eigen::AlignedBox3d box;
     for (bsv::Index n = 0; n < count; ++n)
     {
-      const double* x = allCoordinates[from].data() + nextCoordinate[from];
-      nextCoordinate[from] += 3;
-      lines->InsertCellPoint(points->InsertNextPoint(x));
-      for (int d = 0; d < 3; ++d)
-      {
-        bounds[2 * d] = std::min(bounds[2 * d], x[d]);
-        bounds[2 * d + 1] = std::max(bounds[2 * d + 1], x[d]);
-      }
+      const LinePoint& point = allPoints[from][nextPoint[from]++];
+      lines->InsertCellPoint(points->InsertNextPoint(point.x, point.y, point.z));
+      jumpHere->InsertNextValue(point.jump);
+      box.extend(Vec3(point.x, point.y, point.z));
     }
     const Row entry = rowOf(join, input.names);
     rank->InsertNextValue(static_cast<int>(row) + 1);
     joinClass->InsertNextValue(static_cast<int>(bsv::classifyJoin(join).of));
     layerJump->InsertNextValue(join.worst[int(JumpKind::Layer)].value);
+    const Vec3& worst = join.worst[int(join.crease ? JumpKind::NormalS : join.rankedBy())].point;
+    where->InsertNextTuple(worst.data());
     const std::array<const std::string*, 5> columns{ &entry.of, &entry.what, &entry.blocks, &entry.jump,
       &entry.measure };
     std::string text;
@@ -423,17 +451,23 @@ void fillList(vtkPolyData* output, vtkStringArray* entries, const bsv::Smoothnes
       texts[n]->InsertNextValue(*columns[n]);
       text += *columns[n] + '\t';
     }
-    for (int n = 0; n < 6; ++n)
+    const Eigen::AlignedBox3d look = closeUp(worst, box, wall);
+    const Vec3 inwards = wall.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(wall.center() - worst);
+    for (const double value : { look.min()[0], look.max()[0], look.min()[1], look.max()[1], look.min()[2],
+           look.max()[2], inwards[0], inwards[1], inwards[2] })
     {
       std::ostringstream number;
       number.precision(17);
-      number << bounds[n];
-      text += number.str() + (n < 5 ? "\t" : "");
+      number << value;
+      text += number.str() + '\t';
     }
+    text.pop_back();
     entries->InsertNextValue(text);
   }
   output->SetPoints(points);
   output->SetLines(lines);
+  output->GetPointData()->AddArray(jumpHere);
+  output->GetPointData()->SetActiveScalars(ShownTitle);
   output->GetCellData()->AddArray(rank);
   for (const auto& array : texts)
   {
@@ -441,7 +475,12 @@ void fillList(vtkPolyData* output, vtkStringArray* entries, const bsv::Smoothnes
   }
   output->GetCellData()->AddArray(joinClass);
   output->GetCellData()->AddArray(layerJump);
-  output->GetCellData()->SetActiveScalars(ShownTitle);
+  output->GetCellData()->AddArray(where);
+  if (!wall.isEmpty())
+  {
+    output->GetFieldData()->AddArray(listed<vtkDoubleArray>(
+      "WallBox", { wall.min()[0], wall.max()[0], wall.min()[1], wall.max()[1], wall.min()[2], wall.max()[2] }));
+  }
 }
 
 /// @param rows false: only the columns
@@ -654,7 +693,7 @@ std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std:
   {
     const bsv::Join& join = result.joins[result.ranking.front()];
     const bsv::JumpMaximum& jump = join.worst[int(join.rankedBy())];
-    text << "worst: " << kindOf(join) << ' ' << names[join.sides[0].block] << '|' << names[join.sides[1].block] << ", "
+    text << "worst of all, expected or not: " << kindOf(join) << ' ' << names[join.sides[0].block] << '|' << names[join.sides[1].block] << ", "
          << bsv::continuityName(join.continuity) << ", " << measureName(join.rankedBy()) << ' ' << jump.value << " at "
          << jump.point[0] << ' ' << jump.point[1] << ' ' << jump.point[2] << '\n';
   }
@@ -764,13 +803,9 @@ int vtkBSplineVolumeSmoothness::RequestData(
     bsv::warn(this,
       bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), input.boundaryNames,
         input.boundaryTypes));
-    std::vector<bool> wall(6 * input.volumes.size(), false);
-    const std::vector<bool> isWall = bsv::wallBoundaries(vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames,
-      input.boundaryTypes, this->BodyBoundaries, *bsv::globalRanks());
-    for (const bsv::BoundaryPatch& patch : input.boundaries)
-    {
-      wall[6 * patch.block + patch.face] = isWall[patch.tag];
-    }
+    const std::vector<bool> wall = bsv::facesOf(input,
+      bsv::wallBoundaries(vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames, input.boundaryTypes,
+        this->BodyBoundaries, *bsv::globalRanks()));
     const bool all = this->AllOuterFaces || std::find(wall.begin(), wall.end(), true) == wall.end();
     bsv::SmoothnessOptions options;
     options.samplesPerSpan = this->SamplesPerSpan;
@@ -788,7 +823,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
     // The tables of all ranks are shown as one.
     fillTable(output.joins, result, input.names, bsv::globalRanks()->rank() == 0);
     fillCurves(output.curves, result, input);
-    fillList(output.list, this->JoinList, result, input, *bsv::globalRanks());
+    fillList(output.list, this->JoinList, result, input,
+      all ? Eigen::AlignedBox3d() : bsv::faceBounds(input, wall, *bsv::globalRanks()), *bsv::globalRanks());
     const bsv::Execution sides = bsv::filterExecution(this, 0.7, 0.9);
     for (std::size_t n = 0; n < interfaces.size(); ++n)
     {

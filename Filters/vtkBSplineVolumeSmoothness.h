@@ -53,10 +53,13 @@
  * 4. `Join List`: vtkPolyData, one line per join, defects first (JoinClass.h): the border of an interface, or the wall
  *    border itself. Cell arrays in reading order: `1 Rank`, `2 Class`, `3 What`, `4 Blocks`, `5 Jump` (string, with its
  *    unit), `6 Measure`; `JoinClass` (int: 0 defect, 1 expected, 2 deliberate, 3 smooth); `Layer jump
- *    (degrees)`, the largest. All on the first rank.
+ *    (degrees)`, the largest; `Where` (3), the place of the jump by which the join is ranked. Point array `Layer jump
+ *    (degrees)`, the jump there. Field data `WallBox` (6: bounds of the wall's control points), if there is a wall. All
+ *    on the first rank.
  * 5. `Verdict`: vtkTable with one row and the column `Text`, as ParaView shows it in the view.
  *
- * Active scalars, by which ParaView colours first: `LayerJump`, of the curves `NormalJump`.
+ * Active scalars, by which ParaView colours first: `LayerJump`, of the curves `NormalJump`, of the list `Layer
+ * jump (degrees)` at its points.
  *
  * Several ranks: the interfaces and wall borders are on the rank of their block A, skins on that of the block,
  * extraordinary curves on that of one of their blocks, the table on the first rank. All know the maxima and the report.
@@ -162,8 +165,9 @@ public:
   ///@}
 
   /**
-   * The join list as texts, one per line of it: class, what, blocks, jump, measure and the six bounds of the line,
-   * between tabulators. For clients that do not have the data.
+   * The join list as texts, one per line of it: class, what, blocks, jump, measure, six bounds of what to look at,
+   * around the place where the join is worst, and three numbers, the way from there to the middle of the wall (0 0 0 if
+   * there is no wall), between tabulators. For clients that do not have the data.
    */
   vtkStringArray* GetJoinList();
 

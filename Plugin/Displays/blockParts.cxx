@@ -893,8 +893,16 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
   const auto isOutward = [&](const Face& face) {
     return ((faceDirection(face.face) == 1) != (faceSide(face.face) == 1)) != complex.blocks[face.block].leftHanded;
   };
+  const auto layerPoint = [&](const Face& face, int s, int t, int layer) {
+    const Ijk cells = cellsOf(face.block);
+    Ijk ijk = facePoint(cells, face.face, s, t);
+    const int across = faceDirection(face.face);
+    const int depth = std::min(layer, cells[across]);
+    ijk[across] += faceSide(face.face) == 0 ? depth : -depth;
+    return ijk;
+  };
   const auto at = [&](const Face& face, int s, int t) {
-    return complex.blocks[face.block].points(facePoint(cellsOf(face.block), face.face, s, t));
+    return complex.blocks[face.block].points(layerPoint(face, s, t, 0));
   };
   choosePart(
     model,
@@ -933,7 +941,7 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
       {
         for (int s = 0; s < ns; ++s)
         {
-          points.push_back(at(face, s, t));
+          points.push_back(block.points(layerPoint(face, s, t, options.layer)));
           box.extend(points.back());
         }
       }
@@ -945,7 +953,7 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
       SurfaceBuilder& builder = builders[block.parent];
       const std::array<int, 3>& whole = mesh.blocks[block.parent].points.counts();
       const auto source = [&](int s, int t, bool cell) {
-        Ijk ijk = facePoint(cells, face.face, s, t);
+        Ijk ijk = layerPoint(face, s, t, options.layer);
         for (int d = 0; d < 3; ++d)
         {
           ijk[d] = block.offset[d] + (cell ? std::min(ijk[d], cells[d] - 1) : ijk[d]);
@@ -1075,7 +1083,7 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
         continue;
       }
       const BSplineVolume& block = volume.volumes[face.block];
-      const FaceGeometry geometry = faceGeometry(block, face.face, subdivision, here);
+      const FaceGeometry geometry = faceGeometry(block, face.face, subdivision, here, options.layer);
       for (const Vec3& x : geometry.points)
       {
         box.extend(x);
@@ -1105,8 +1113,11 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
           ijk[d] = std::min(count - 1, static_cast<int>(part * (count - 1) + 0.5));
         }
         const int across = faceDirection(face.face);
-        ijk[across] = faceSide(face.face) * (block.count(across) - 1 - (cell ? 1 : 0));
         const int less = cell ? 1 : 0;
+        const int deepest = block.count(across) - 1 - less;
+        // Layer 1 is nearest to the third control point.
+        const int depth = std::min(options.layer == 0 ? 0 : options.layer + 1, deepest);
+        ijk[across] = faceSide(face.face) == 0 ? depth : deepest - depth;
         return ijk[0] + vtkIdType(block.count(0) - less) * (ijk[1] + vtkIdType(block.count(1) - less) * ijk[2]);
       };
       for (int t = 0; t < nt; ++t)

@@ -24,6 +24,8 @@ namespace bsv
 struct BlockPartsOptions
 {
   bool wall = true;
+  /// So many cells off the wall is the surface; where a block is thinner, at its opposite side.
+  int layer = 0;
   /// Lines along the knots of a volume's wall; the net of a mesh is drawn as the edges of its surface.
   bool wallNet = false;
   bool symmetryNet = true;

@@ -31,7 +31,10 @@
 #include "vtkStringArray.h"
 #include "vtkTextProperty.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkWeakPointer.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 
 namespace
@@ -155,6 +158,9 @@ struct vtkBlockPartsRepresentation::Internals
   /// Of the data that is drawn.
   bool IsVolume = true;
   bool HasEntries = false;
+  /// Pixels.
+  std::array<double, 2> LegendSize{ 0.0, 0.0 };
+  vtkWeakPointer<vtkPVRenderView> View;
 };
 
 vtkStandardNewMacro(vtkBlockPartsRepresentation);
@@ -170,6 +176,8 @@ vtkBlockPartsRepresentation::vtkBlockPartsRepresentation()
 
   Internals& internal = *this->Internal;
   internal.NetsMapper->ScalarVisibilityOff();
+  // In front of the wall, behind the curves.
+  internal.NetsMapper->SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -20.0);
   internal.NetsActor->SetMapper(internal.NetsMapper);
   vtkProperty* nets = internal.NetsActor->GetProperty();
   // Faint on light and on dark backgrounds.
@@ -271,6 +279,17 @@ void vtkBlockPartsRepresentation::SetShowPartsLegend(bool on)
 {
   this->Internal->ShowLegend = on;
   this->UpdateVisibility();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockPartsRepresentation::SetLayer(int layer)
+{
+  if (this->Internal->Geometry->Options.layer != layer)
+  {
+    this->Internal->Geometry->Options.layer = layer;
+    this->GeometryFilter->Modified();
+    this->MarkModified();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -386,6 +405,7 @@ bool vtkBlockPartsRepresentation::AddToView(vtkView* view)
 {
   if (auto* render = vtkPVRenderView::SafeDownCast(view))
   {
+    this->Internal->View = render;
     render->GetRenderer()->AddActor(this->Internal->NetsActor);
     render->GetRenderer()->AddActor(this->Internal->CurvesActor);
     render->GetNonCompositedRenderer()->AddActor(this->Internal->Legend);
@@ -425,13 +445,31 @@ void vtkBlockPartsRepresentation::UpdateLegend()
     double black[3] = { 0.0, 0.0, 0.0 };
     internal.Legend->SetEntry(n, symbol(color), text.c_str(), black);
   }
-  const double height = 0.026 * count;
+  internal.LegendSize = { 26.0 + 8.5 * static_cast<double>(width), 20.0 * count };
+  this->PlaceLegend();
+  this->UpdateVisibility();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockPartsRepresentation::PlaceLegend()
+{
+  Internals& internal = *this->Internal;
+  if (!internal.View || !internal.HasEntries)
+  {
+    return;
+  }
+  const int* view = internal.View->GetRenderer()->GetSize();
+  if (view[0] <= 0 || view[1] <= 0)
+  {
+    return;
+  }
+  constexpr double margin = 12.0;
+  const double width = std::min(0.9, internal.LegendSize[0] / view[0]);
+  const double height = std::min(0.9, internal.LegendSize[1] / view[1]);
   internal.Legend->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   internal.Legend->GetPosition2Coordinate()->SetCoordinateSystemToNormalizedViewport();
-  const double share = 0.03 + 0.0068 * static_cast<double>(width);
-  internal.Legend->GetPositionCoordinate()->SetValue(0.99 - share, 0.985 - height);
-  internal.Legend->GetPosition2Coordinate()->SetValue(share, height);
-  this->UpdateVisibility();
+  internal.Legend->GetPositionCoordinate()->SetValue(1.0 - width - margin / view[0], 1.0 - height - margin / view[1]);
+  internal.Legend->GetPosition2Coordinate()->SetValue(width, height);
 }
 
 //------------------------------------------------------------------------------
@@ -471,6 +509,7 @@ int vtkBlockPartsRepresentation::ProcessViewRequest(
   }
   else if (request == vtkPVView::REQUEST_RENDER())
   {
+    this->PlaceLegend();
     internal.NetsMapper->SetInputDataObject(vtkPVView::GetDeliveredPiece(inInfo, this, NetsPort));
     internal.CurvesMapper->SetInputDataObject(vtkPVView::GetDeliveredPiece(inInfo, this, CurvesPort));
     vtkDataObject* entries = vtkPVView::GetDeliveredPiece(inInfo, this, LegendPort);
@@ -494,6 +533,7 @@ void vtkBlockPartsRepresentation::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   const bsv::BlockPartsOptions& options = this->Internal->Geometry->Options;
   os << indent << "ShowWall: " << options.wall << '\n';
+  os << indent << "Layer: " << options.layer << '\n';
   os << indent << "ShowWallNet: " << options.wallNet << '\n';
   os << indent << "ShowSymmetryNet: " << options.symmetryNet << '\n';
   os << indent << "ShowFarFieldNet: " << options.farFieldNet << '\n';

@@ -39,6 +39,11 @@ public:
   ///@}
 
   /**
+   * The surface is so many cells off the wall, at most at the opposite side of each block. Default 0: the wall.
+   */
+  void SetLayer(int layer);
+
+  /**
    * Parts into which every span of a volume's wall is cut per direction; 0 (default): as many as keep it small.
    */
   void SetSubdivision(int parts);
@@ -81,6 +86,8 @@ private:
   void SetPart(bool& part, bool on);
   void UpdateReflectionLines();
   void UpdateLegend();
+  /// Keeps its size in pixels, at the upper right.
+  void PlaceLegend();
   void UpdateVisibility();
 
   struct Internals;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bsvActions.h"
 
+#include "bsvFirstPicture.h"
+#include "bsvFlight.h"
+
 #include "pqActiveObjects.h"
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
@@ -11,11 +14,14 @@
 #include "pqOutputPort.h"
 #include "pqPipelineFilter.h"
 #include "pqPipelineSource.h"
+#include "pqPropertiesPanel.h"
 #include "pqRenderView.h"
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
 #include "vtkDataObject.h"
 #include "vtkNew.h"
+#include "vtkPVArrayInformation.h"
+#include "vtkPVDataInformation.h"
 #include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMParaViewPipelineControllerWithRendering.h"
 #include "vtkSMPropertyHelper.h"
@@ -24,8 +30,10 @@
 
 #include <QAction>
 #include <QMessageBox>
+#include <QPointer>
 
 #include <cstring>
+#include <memory>
 
 namespace
 {
@@ -41,6 +49,26 @@ QString askFile(pqServer* server, const QString& title, const QString& filter, c
                                                                                     : QString();
 }
 
+void tell(const QString& text)
+{
+  QMessageBox::information(pqCoreUtilities::mainWidget(), "BSplineVolume", text);
+}
+
+bool isVolume(pqOutputPort* port)
+{
+  vtkPVDataInformation* data = port->getDataInformation();
+  return data && data->GetArrayInformation("KnotsW", vtkDataObject::FIELD);
+}
+
+/// Presses Apply.
+void applyPanel()
+{
+  if (auto* panel = pqCoreUtilities::mainWidget()->findChild<pqPropertiesPanel*>())
+  {
+    panel->apply();
+  }
+}
+
 /// The conversion that is active, or from which the active source comes; null after a message if there is none.
 pqPipelineFilter* activeConversion()
 {
@@ -52,11 +80,10 @@ pqPipelineFilter* activeConversion()
     {
       return filter;
     }
-    source =
-      filter && filter->getInputCount() > 0 && filter->getAnyInput() ? filter->getAnyInput()->getSource() : nullptr;
+    const QList<pqOutputPort*> inputs = filter ? filter->getInputs("Input") : QList<pqOutputPort*>();
+    source = inputs.isEmpty() ? nullptr : inputs.first()->getSource();
   }
-  QMessageBox::information(
-    pqCoreUtilities::mainWidget(), "BSplineVolume", "Choose a CatmullClark To BSpline Volume in the Pipeline Browser.");
+  tell("Choose a CatmullClark To BSpline Volume in the Pipeline Browser.");
   return nullptr;
 }
 
@@ -73,6 +100,28 @@ vtkSMProxy* showWithNet(pqOutputPort* port, pqView* view)
     display->UpdateVTKObjects();
   }
   return display;
+}
+
+/// The second view looks as the first one does, from now on.
+void linkCameras(pqView* one, pqView* other)
+{
+  auto* from = vtkSMRenderViewProxy::SafeDownCast(one->getProxy());
+  auto* to = vtkSMRenderViewProxy::SafeDownCast(other->getProxy());
+  for (const char* property : { "CameraPosition", "CameraFocalPoint", "CameraViewUp" })
+  {
+    const std::vector<double> value = vtkSMPropertyHelper(from, property, true).GetDoubleArray();
+    vtkSMPropertyHelper(to, property).Set(value.data(), static_cast<unsigned int>(value.size()));
+  }
+  to->UpdateVTKObjects();
+  pqLinksModel* links = pqApplicationCore::instance()->getLinksModel();
+  QString name;
+  for (int n = 1; name.isEmpty() || links->getLink(name); ++n)
+  {
+    name = QString("Before And After %1").arg(n);
+  }
+  links->addCameraLink(name, from, to);
+  one->render();
+  other->render();
 }
 
 } // namespace
@@ -96,6 +145,8 @@ bsvActions::bsvActions(QObject* parent)
     &bsvActions::beforeAndAfter);
   add("Control Points By Rule", "bsvControlPoints", "Control points coloured by how each was made",
     &bsvActions::controlPoints);
+  add("Compare Volumes", "bsvCompare", "What changed between the two volumes that are selected, or the only two",
+    &bsvActions::compare);
 }
 
 //------------------------------------------------------------------------------
@@ -153,31 +204,32 @@ void bsvActions::beforeAndAfter()
     after = builder->createView(pqRenderView::renderViewType(), filter->getServer());
     controller->AssignViewToLayout(after->getViewProxy());
   }
-  pqView* before = builder->createView(pqRenderView::renderViewType(), filter->getServer());
-  controller->AssignViewToLayout(before->getViewProxy());
+  // Made when the window is split, linked when both views have their sizes.
+  const auto before = std::make_shared<QPointer<pqView>>();
+  bsv::keepWidth(
+    qobject_cast<pqRenderView*>(after),
+    [&]() {
+      *before = builder->createView(pqRenderView::renderViewType(), filter->getServer());
+      controller->AssignViewToLayout((*before)->getViewProxy());
+    },
+    [one = QPointer<pqView>(after), before]() {
+      if (one && *before)
+      {
+        linkCameras(one, *before);
+      }
+    });
 
-  pqOutputPort* mesh = filter->getAnyInput();
+  pqOutputPort* mesh = filter->getInputs("Input").first();
   controller->Hide(
     vtkSMSourceProxy::SafeDownCast(mesh->getSource()->getProxy()), mesh->getPortNumber(), after->getViewProxy());
-  showWithNet(filter->getOutputPort(0), after);
-  showWithNet(mesh, before);
-  auto* one = vtkSMRenderViewProxy::SafeDownCast(after->getProxy());
-  auto* other = vtkSMRenderViewProxy::SafeDownCast(before->getProxy());
-  for (const char* property : { "CameraPosition", "CameraFocalPoint", "CameraViewUp" })
+  // One verdict and one legend are too much for half a window.
+  controller->Hide(vtkSMSourceProxy::SafeDownCast(filter->getProxy()), 1, after->getViewProxy());
+  if (vtkSMProxy* display = showWithNet(filter->getOutputPort(0), after))
   {
-    const std::vector<double> value = vtkSMPropertyHelper(one, property, true).GetDoubleArray();
-    vtkSMPropertyHelper(other, property).Set(value.data(), static_cast<unsigned int>(value.size()));
+    vtkSMPropertyHelper(display, "ShowPartsLegend").Set(0);
+    display->UpdateVTKObjects();
   }
-  other->UpdateVTKObjects();
-  pqLinksModel* links = pqApplicationCore::instance()->getLinksModel();
-  QString name;
-  for (int n = 1; name.isEmpty() || links->getLink(name); ++n)
-  {
-    name = QString("Before And After %1").arg(n);
-  }
-  links->addCameraLink(name, after->getProxy(), before->getProxy());
-  after->render();
-  before->render();
+  showWithNet(mesh, *before);
 }
 
 //------------------------------------------------------------------------------
@@ -191,14 +243,63 @@ void bsvActions::controlPoints()
   }
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
   vtkSMProxy* display = controller->Show(vtkSMSourceProxy::SafeDownCast(filter->getProxy()), 0, view->getViewProxy());
-  vtkSMRepresentationProxy::SetRepresentationType(display, "Points");
-  vtkSMPropertyHelper(display, "PointSize").Set(5);
+  vtkSMRepresentationProxy::SetRepresentationType(display, "Control Points");
+  vtkSMPropertyHelper(display, "PointSize").Set(8);
   vtkSMPropertyHelper(display, "RenderPointsAsSpheres").Set(1);
   display->UpdateVTKObjects();
+  // The wall of the mesh as their ground.
+  pqOutputPort* mesh = filter->getInputs("Input").first();
+  vtkSMProxy* ground = controller->Show(
+    vtkSMSourceProxy::SafeDownCast(mesh->getSource()->getProxy()), mesh->getPortNumber(), view->getViewProxy());
+  if (ground && ground->GetProperty("ShowPartsLegend"))
+  {
+    for (const char* part : { "ShowPartsLegend", "ShowExtraordinaryCurves", "ShowCreases", "ShowSymmetryNet" })
+    {
+      vtkSMPropertyHelper(ground, part).Set(0);
+    }
+    ground->UpdateVTKObjects();
+  }
   if (auto* colored = vtkSMPVRepresentationProxy::SafeDownCast(display))
   {
     colored->SetScalarColoring("ControlPointRule", vtkDataObject::POINT);
     colored->SetScalarBarVisibility(view->getViewProxy(), true);
+    bsvFirstPicture::setTitle(display, view->getProxy());
   }
   view->render();
+}
+
+//------------------------------------------------------------------------------
+void bsvActions::compare()
+{
+  pqServer* server = pqActiveObjects::instance().activeServer();
+  // In the order in which they were made.
+  QList<pqOutputPort*> all, chosen;
+  for (pqPipelineSource* source :
+    pqApplicationCore::instance()->getServerManagerModel()->findItems<pqPipelineSource*>(server))
+  {
+    pqOutputPort* port = source->getOutputPort(0);
+    if (source->modifiedState() != pqProxy::UNINITIALIZED && isVolume(port))
+    {
+      all << port;
+      const bool isChosen = pqActiveObjects::instance().selection().contains(source) ||
+        pqActiveObjects::instance().selection().contains(port);
+      chosen << (isChosen ? QList<pqOutputPort*>{ port } : QList<pqOutputPort*>());
+    }
+  }
+  const QList<pqOutputPort*>& two = chosen.size() == 2 ? chosen : all;
+  if (two.size() != 2)
+  {
+    tell("Select two volumes in the Pipeline Browser, with Ctrl: the later one is compared with the earlier one.");
+    return;
+  }
+  QMap<QString, QList<pqOutputPort*>> inputs;
+  inputs["Input"] << two[1];
+  inputs["Before"] << two[0];
+  pqPipelineSource* filter = pqApplicationCore::instance()->getObjectBuilder()->createFilter(
+    "filters", "BSplineVolumeDifference", inputs, server);
+  if (filter)
+  {
+    pqActiveObjects::instance().setActiveSource(filter);
+    applyPanel();
+  }
 }

@@ -11,6 +11,7 @@
  * - Before And After: the mesh and the volume of the active conversion side by side with linked cameras, both with
  *   their nets.
  * - Control Points By Rule: the control points of the active conversion, coloured by how each was made.
+ * - Compare Volumes: the difference of the two volumes that are selected, or of the only two, applied at once.
  */
 class bsvActions : public QActionGroup
 {
@@ -23,6 +24,7 @@ private Q_SLOTS:
   void convertFiles();
   void beforeAndAfter();
   void controlPoints();
+  void compare();
 };
 
 #endif

@@ -7,6 +7,9 @@
 #include "pqPipelineSource.h"
 #include "pqRenderView.h"
 #include "pqSelectionManager.h"
+#include "vtkCamera.h"
+#include "vtkMath.h"
+#include "vtkRenderer.h"
 #include "vtkSMOutputPort.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
@@ -15,6 +18,12 @@
 #include "vtkSelectionNode.h"
 #include "vtkSmartPointer.h"
 
+#include <QTimer>
+#include <QVariant>
+#include <QWidget>
+
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace bsv
@@ -69,17 +78,74 @@ int selectedCell(pqOutputPort* port)
 }
 
 //------------------------------------------------------------------------------
-void flyTo(const std::array<double, 6>& bounds)
+void flyTo(const std::array<double, 6>& bounds, const std::array<double, 3>& inwards)
 {
   auto* view = qobject_cast<pqRenderView*>(pqActiveObjects::instance().activeView());
   if (!view)
   {
     return;
   }
+  auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getProxy());
+  vtkCamera* camera = proxy->GetActiveCamera();
+  double way[3];
+  std::copy(inwards.begin(), inwards.end(), way);
+  double look[3], up[3];
+  camera->GetDirectionOfProjection(look);
+  camera->GetViewUp(up);
+  // Seen from behind the wall would hide it: half way between the two directions the camera looks past it.
+  if (vtkMath::Normalize(way) > 0.0 && vtkMath::Dot(way, look) < 0.5)
+  {
+    for (int d = 0; d < 3; ++d)
+    {
+      look[d] = way[d] + 0.35 * look[d];
+    }
+    if (vtkMath::Normalize(look) == 0.0)
+    {
+      std::copy(way, way + 3, look);
+    }
+    if (std::abs(vtkMath::Dot(look, up)) > 0.95)
+    {
+      camera->GetDirectionOfProjection(up);
+    }
+    proxy->ResetActiveCameraToDirection(look[0], look[1], look[2], up[0], up[1], up[2]);
+  }
   double box[6];
   std::copy(bounds.begin(), bounds.end(), box);
-  vtkSMRenderViewProxy::SafeDownCast(view->getProxy())->ResetCamera(box);
+  proxy->ResetCamera(box);
   view->render();
+}
+
+//------------------------------------------------------------------------------
+void keepWidth(pqRenderView* view, const std::function<void()>& makeRoom, const std::function<void()>& then, int before)
+{
+  before = before > 0 || !view ? before : view->widget()->width();
+  makeRoom();
+  static const char* const busy = "bsvKeepsWidth";
+  if (!view || (view->property(busy).toBool() && !then))
+  {
+    return;
+  }
+  view->setProperty(busy, true);
+  constexpr int afterLayout = 100; // milliseconds
+  QTimer::singleShot(afterLayout, view, [view, before, then]() {
+    view->setProperty(busy, false);
+    const int now = view->widget()->width();
+    auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getProxy());
+    if (now > 0 && before > now)
+    {
+      vtkCamera* camera = proxy->GetActiveCamera();
+      const double part = static_cast<double>(now) / before;
+      camera->Dolly(part);
+      camera->SetParallelScale(camera->GetParallelScale() / part);
+      proxy->GetRenderer()->ResetCameraClippingRange();
+      proxy->UpdatePropertyInformation();
+    }
+    if (then)
+    {
+      then();
+    }
+    view->render();
+  });
 }
 
 } // namespace bsv

@@ -6,8 +6,10 @@
 #define bsvFlight_h
 
 #include <array>
+#include <functional>
 
 class pqOutputPort;
+class pqRenderView;
 
 namespace bsv
 {
@@ -19,7 +21,15 @@ void selectCell(pqOutputPort* port, int cell);
 int selectedCell(pqOutputPort* port);
 
 /// @param bounds of what is to be seen; the view keeps its direction
-void flyTo(const std::array<double, 6>& bounds);
+/// @param inwards from there to what must not be in the way: the camera looks about that way, or from where it is if it
+/// looks so already; zeros: from where it is
+void flyTo(const std::array<double, 6>& bounds, const std::array<double, 3>& inwards);
+
+/// Makes room beside a view and shows as much of the width as before: the camera goes back. The view gets its new size
+/// when the window is laid out, and `then` is called after that.
+/// @param before the width before, or 0: what it is when this is called
+void keepWidth(
+  pqRenderView* view, const std::function<void()>& makeRoom, const std::function<void()>& then = {}, int before = 0);
 
 } // namespace bsv
 

@@ -4,31 +4,41 @@
 #include "bsvFlight.h"
 
 #include "pqActiveObjects.h"
+#include "pqCoreUtilities.h"
 #include "pqOutputPort.h"
 #include "pqPVApplicationCore.h"
 #include "pqPipelineSource.h"
+#include "pqRenderView.h"
 #include "pqSelectionManager.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
 
+#include <QColor>
+#include <QFontMetrics>
 #include <QHeaderView>
 #include <QLabel>
+#include <QMainWindow>
 #include <QPushButton>
 #include <QStringList>
 #include <QTableWidget>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace
 {
 
 /// The port of vtkBSplineVolumeSmoothness with one polyline per join.
 constexpr int JoinsPort = 4;
-/// Fields of an entry of its property JoinList: these columns, then the six bounds.
+/// Fields of an entry of its property JoinList: these columns, then what flyTo() takes: six bounds and a direction.
 const char* const Columns[] = { "Class", "What", "Blocks", "Jump", "Measure" };
 constexpr int ColumnCount = 5;
-constexpr int BoundsRole = Qt::UserRole;
+/// The dock is as wide as its columns, up to this.
+constexpr int MostWidth = 460;
+constexpr int FlightCount = 9;
+constexpr int FlightRole = Qt::UserRole;
 
 } // namespace
 
@@ -70,6 +80,7 @@ void bsvJoinsDock::build()
   this->Table->setSelectionMode(QAbstractItemView::SingleSelection);
   this->Table->setEditTriggers(QAbstractItemView::NoEditTriggers);
   this->Table->horizontalHeader()->setStretchLastSection(true);
+  this->Table->verticalHeader()->setDefaultSectionSize(QFontMetrics(this->Table->font()).lineSpacing() + 6);
   auto* button = new QPushButton("Fly To Join", body);
   button->setObjectName("Fly");
   layout->addWidget(this->Title);
@@ -124,7 +135,7 @@ void bsvJoinsDock::fill()
   for (const QString& entry : entries)
   {
     const QStringList fields = entry.split('\t');
-    if (fields.size() != ColumnCount + 6)
+    if (fields.size() != ColumnCount + FlightCount)
     {
       continue;
     }
@@ -132,14 +143,25 @@ void bsvJoinsDock::fill()
     this->Table->insertRow(row);
     for (int column = 0; column < ColumnCount; ++column)
     {
-      auto* item = new QTableWidgetItem(fields[column]);
-      item->setData(BoundsRole, QStringList(fields.mid(ColumnCount)));
+      auto* item =
+        new QTableWidgetItem(QString(fields[column]).remove("interface, ").replace(" degrees", QString(QChar(0x00b0))));
+      item->setToolTip(fields[column]);
+      item->setData(FlightRole, QStringList(fields.mid(ColumnCount)));
+      if (column == 0 && fields[0] == "defect")
+      {
+        item->setForeground(QColor(180, 20, 30));
+      }
       this->Table->setItem(row, column, item);
     }
     defects += fields[0] == "defect" ? 1 : 0;
   }
   this->Busy = false;
   this->Table->resizeColumnsToContents();
+  const int letter = QFontMetrics(this->Table->font()).averageCharWidth();
+  for (const auto& [column, letters] : { std::make_pair(1, 18), std::make_pair(2, 20) })
+  {
+    this->Table->setColumnWidth(column, std::min(this->Table->columnWidth(column), letters * letter));
+  }
   if (this->Source)
   {
     this->Title->setText(QString("%1: %2 joins, %3 defects. Double click: fly there.")
@@ -148,10 +170,40 @@ void bsvJoinsDock::fill()
                            .arg(defects));
     if (this->Table->rowCount() > 0 && active == this->Source)
     {
-      this->setVisible(true);
-      this->raise();
+      const bool wasHidden = this->isHidden();
+      auto* view = qobject_cast<pqRenderView*>(pqActiveObjects::instance().activeView());
+      const auto show = [this]() {
+        this->setVisible(true);
+        this->raise();
+        this->makeRoom();
+      };
+      if (wasHidden)
+      {
+        bsv::keepWidth(view, show);
+      }
+      else
+      {
+        this->raise();
+      }
     }
   }
+}
+
+//------------------------------------------------------------------------------
+void bsvJoinsDock::makeRoom()
+{
+  auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
+  if (!window || this->isFloating())
+  {
+    return;
+  }
+  // What it measures is there after the next layout only.
+  int width = 45 + QFontMetrics(this->Table->font()).horizontalAdvance("000");
+  for (int column = 0; column < ColumnCount - 1; ++column)
+  {
+    width += this->Table->columnWidth(column);
+  }
+  window->resizeDocks({ this }, { std::min(width, MostWidth) }, Qt::Horizontal);
 }
 
 //------------------------------------------------------------------------------
@@ -183,13 +235,14 @@ void bsvJoinsDock::fly()
   {
     this->Table->setCurrentCell(row, 0);
   }
-  const QStringList fields = this->Table->item(row, 0)->data(BoundsRole).toStringList();
+  const QStringList fields = this->Table->item(row, 0)->data(FlightRole).toStringList();
   std::array<double, 6> bounds;
-  for (int n = 0; n < 6; ++n)
+  std::array<double, 3> inwards;
+  for (int n = 0; n < FlightCount; ++n)
   {
-    bounds[n] = fields[n].toDouble();
+    (n < 6 ? bounds[n] : inwards[n - 6]) = fields[n].toDouble();
   }
-  bsv::flyTo(bounds);
+  bsv::flyTo(bounds, inwards);
 }
 
 //------------------------------------------------------------------------------

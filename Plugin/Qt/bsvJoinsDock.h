@@ -31,6 +31,7 @@ private Q_SLOTS:
 
 private:
   void build();
+  void makeRoom();
   pqOutputPort* joins() const;
 
   QPointer<pqPipelineSource> Source;

@@ -2,6 +2,10 @@
 """Pictures of ParaView's window, 1600 x 1000, after one Apply of each source and filter with default properties.
 
     pvpython Testing/GUI/Screenshots.py paraview build/lib/BSplineVolume docs/gui [--data folder] [name ...]
+    pvpython Testing/GUI/Screenshots.py paraview build/lib/BSplineVolume docs/gui --panels
+
+The second one makes panels.png, the panels of all sources, readers and filters side by side, 400 pixels wide each, and
+fails if one of them has a horizontal scroll bar.
 
 Needs Xvfb, whose picture of the screen it reads. Pictures of real meshes are made only with --data, the folder that has
 them. Look at every picture: the question is what one sees in three seconds.
@@ -74,6 +78,9 @@ def own_menu(name):
 WING = source("WingFuselageSource")
 # The body is that of the source, the only one there is.
 CONVERTED = WING + filtered("CatmullClarkToBSplineVolume")
+TWO = CONVERTED + selected("/0/0|0") + chosen_filter("CatmullClarkToBSplineVolume") + [
+    ("pqClientMainWindow/propertiesDock/propertiesPanel/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
+     "PropertiesFrame/ProxyPanel/Twist/ComboBox", "set_string", "Literal"), APPLY]
 SHOTS = {
     "wing_mesh": WING,
     "wing_volume": CONVERTED,
@@ -88,7 +95,39 @@ SHOTS = {
     "deviation": CONVERTED + filtered("BodyDeviation"),
     "before_and_after": CONVERTED + own_menu("bsvBeforeAndAfter"),
     "control_points": CONVERTED + own_menu("bsvControlPoints"),
+    "difference": TWO + own_menu("bsvCompare"),
 }
+
+
+PANELS = {
+    "WingFuselageSource": WING,
+    "CatmullClarkToBSplineVolume": CONVERTED,
+    **{name: WING + filtered(name) for name in ("HexBlockTopology", "WallSpacing", "MirrorHexBlocks")},
+    "HexMeshToBlocks": SHOTS["hex_mesh"],
+    **{name: CONVERTED + filtered(name) for name in (
+        "BSplineVolumeQuality", "BSplineVolumeSmoothness", "BodyDeviation", "BSplineVolumeSampler",
+        "BSplineVolumeToBezierCells", "BSplineVolumeIsoparametric")},
+    "BSplineVolumeDifference": TWO + own_menu("bsvCompare"),
+}
+SCROLL_BAR = "pqClientMainWindow/propertiesDock/propertiesPanel/scrollArea/qt_scrollarea_hcontainer"
+
+
+def file_panels(folder):
+    """Panels of readers, whose files are made here."""
+    import make_body_case
+    import make_demo_mesh
+    mesh = make_demo_mesh.write_demo(folder, 4)
+    make_body_case.write_case(folder, 4)
+    import bsplinevolume
+    volume = bsplinevolume.convert(mesh)
+    for name in ("volume.qfmb", "volume.mesh"):
+        volume.write(os.path.join(folder, name))
+    return {
+        "HexBlockMeshReader": opened(mesh, 2),
+        "NURBSSurfaceReader": opened(os.path.join(folder, "ellipsoid.g2"), 2),
+        "BSplineVolumeReader": opened(os.path.join(folder, "volume.mesh"), 2),
+        "QuadflowReader": opened(os.path.join(folder, "volume.qfmb")),
+    }
 
 
 def real_shots(data):

@@ -98,9 +98,27 @@ def test_first_picture_is_the_wall():
     display.ShowWall = 0
     assert drawn_surface(display).GetNumberOfCells() == 0
     display.ShowWall = 1
+    # Layers lie around the body; deep down they are the outer ends of its blocks.
+    lengths = []
+    for layer in (0, 1, 1000):
+        display.WallLayer = layer
+        lengths.append(drawn_surface(display).GetLength())
+    assert lengths[0] < lengths[1] < lengths[2], lengths
+    display.WallLayer = 0
     display.ReflectionLines = 1
     simple.Render(VIEW)
     simple.Hide(volume, VIEW)
+
+
+def drawn_lines(display):
+    """Points of all lines that a display draws."""
+    simple.Render(VIEW)
+    leaves = client(display).GetActiveRepresentation().GetRenderedDataObject(0).NewIterator()
+    count = 0
+    while not leaves.IsDoneWithTraversal():
+        count += leaves.GetCurrentDataObject().GetLines().GetNumberOfConnectivityIds()
+        leaves.GoToNextItem()
+    return count
 
 
 def field_strings(data, name):
@@ -129,6 +147,37 @@ def test_control_nets():
         assert drawn.GetPointSize() == 2 * size > display.LineWidth
 
 
+def test_control_points_by_rule():
+    """Near the wall, without those that ordinary rules made; under the mouse they are the volume's points."""
+    display = shown(VOLUME)
+    display.Representation = "Control Points"
+    blocks_of_volume = blocks(update(VOLUME)[0])
+
+    def drawn():
+        simple.Render(VIEW)
+        leaves = client(display).GetActiveRepresentation().GetRenderedDataObject(0).NewIterator()
+        found = []
+        while not leaves.IsDoneWithTraversal():
+            found.append(leaves.GetCurrentDataObject())
+            leaves.GoToNextItem()
+        return found
+    few = drawn()
+    rules = {data.GetPointData().GetArray("ControlPointRule").GetValue(n)
+             for data in few for n in range(data.GetNumberOfPoints())}
+    names = field_strings(client(VOLUME).GetOutputDataObject(0), "ControlPointRuleNames")
+    assert rules and not rules & {names.index("Copied"), names.index("Regular")}
+    display.OrdinaryPoints, display.ReachOfPoints = 1, 0.0
+    everything = drawn()
+    assert sum(data.GetNumberOfPoints() for data in few) < sum(data.GetNumberOfPoints() for data in everything)
+    for data, block in zip(everything, blocks_of_volume):
+        counts = data.GetNumberOfVerts(), data.GetNumberOfPoints(), block.GetNumberOfPoints()
+        assert len(set(counts)) == 1, counts
+        ids = data.GetPointData().GetArray("vtkOriginalPointIds")
+        assert all(data.GetPoint(n) == block.GetPoint(ids.GetValue(n)) for n in range(data.GetNumberOfPoints()))
+    display.Representation = "Wall And Curves"
+    simple.Hide(VOLUME, VIEW)
+
+
 def test_volumes_of_files():
     quadflow = os.path.join(FOLDER.name, "volume.qfmb")
     simple.SaveData(quadflow, proxy=VOLUME)
@@ -155,7 +204,15 @@ def test_smoothness():
     # One picture, one legend, and the verdict.
     assert all(shown(smoothness, port) is None for port in (0, 1, 2, 3))
     lines = shown(smoothness, 4)
-    assert array_of(lines) == ("CELLS", "Layer jump (degrees)") and legend_is_shown(lines)
+    assert array_of(lines) == ("POINTS", "Layer jump (degrees)") and legend_is_shown(lines)
+    # Of all lines those of the chosen joins, where they kink and near the wall.
+    assert lines.Representation == "Joins That Matter"
+    few = drawn_lines(lines)
+    lines.JoinClasses = "All"
+    more = drawn_lines(lines)
+    lines.LeastJump, lines.ReachOfJoins = 0.0, 0.0
+    everything = drawn_lines(lines)
+    assert few < more < everything == client(smoothness).GetOutputDataObject(4).GetNumberOfPoints()
     assert shown(smoothness, 5) is not None
     interfaces = simple.Show(smoothness, VIEW)
     interfaces.Representation = "Surface"
@@ -280,7 +337,7 @@ def test_colour_presets():
     file = os.path.join(PLUGIN, "BSplineVolumePresets.json")
     with open(file) as text:
         described = json.load(text)
-    assert len(described) == 6
+    assert len(described) == 8
     known = servermanager.vtkSMTransferFunctionPresets.GetInstance()
     forget(described)
     simple.ImportPresets(file)

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 
 namespace bsv
@@ -59,7 +60,7 @@ std::vector<Station> stations(const BSplineVolume& volume, int direction, int pa
 
 } // namespace
 
-FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, const Execution& run)
+FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, const Execution& run, int layer)
 {
   const int across = faceDirection(face);
   const int alongS = faceAxis(face, 0);
@@ -70,9 +71,15 @@ FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, cons
   // The net of the face and of the derivative across it.
   const std::vector<int> spans = nonEmptySpans(volume.degree[across], volume.knots[across]);
   const bool last = faceSide(face) == 1;
-  const int span = last ? spans.back() : spans.front();
+  const int deepest = static_cast<int>(spans.size());
+  const int depth = std::min(layer, deepest);
+  // Number of the knot among those that bound spans; the span beside it that is nearer to the face's opposite.
+  const int knot = last ? deepest - depth : depth;
+  const int beside = last ? std::max(knot - 1, 0) : std::min(knot, deepest - 1);
+  const int span = spans[beside];
   const double width = volume.knots[across][span + 1] - volume.knots[across][span];
-  const Station end = stationAt(volume, across, span, last ? width : 0.0, last ? 0.0 : width);
+  const double left = knot == beside ? 0.0 : width;
+  const Station end = stationAt(volume, across, span, left, width - left);
   std::array<std::vector<Vec4>, 2> nets;
   for (std::vector<Vec4>& net : nets)
   {

@@ -35,8 +35,9 @@ struct FaceGeometry
 
 /// Samples of face `face` (BlockTopology.h), every non-empty span cut into `parts` >= 1 equal parts per axis. At knots
 /// the derivatives are those of the span to the right, at the last knot those of the last span.
+/// @param layer so many non-empty spans off the face, >= 0; at most at the opposite face
 /// @param volume must have passed checkBSplineVolume(), its points must be here.
 /// @throws Aborted
-FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, const Execution& run = {});
+FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, const Execution& run = {}, int layer = 0);
 
 } // namespace bsv

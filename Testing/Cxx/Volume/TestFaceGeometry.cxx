@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -73,7 +74,7 @@ TEST(FaceGeometry, SphereHasItsRadiusNormalsAndCurvatures)
   }
 }
 
-TEST(FaceGeometry, AllFacesOfAVolumeAreWhereItsEvaluationIs)
+TEST(FaceGeometry, AllFacesAndLayersOfAVolumeAreWhereItsEvaluationIs)
 {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> noise(-0.2, 0.2);
@@ -94,9 +95,12 @@ TEST(FaceGeometry, AllFacesOfAVolumeAreWhereItsEvaluationIs)
   }
   volume.points = points.data();
   const int parts = 2;
-  for (int face = 0; face < 6; ++face)
+  // The last layer is that of the opposite face.
+  for (int n = 0; n < 6 * 4; ++n)
   {
-    const FaceGeometry geometry = faceGeometry(volume, face, parts);
+    const int face = n / 4;
+    const int layer = n % 4;
+    const FaceGeometry geometry = faceGeometry(volume, face, parts, {}, layer);
     std::array<std::vector<double>, 2> parameters;
     for (int axis = 0; axis < 2; ++axis)
     {
@@ -114,6 +118,10 @@ TEST(FaceGeometry, AllFacesOfAVolumeAreWhereItsEvaluationIs)
       ASSERT_EQ(geometry.samples[axis], static_cast<int>(parameters[axis].size()));
     }
     const int across = faceDirection(face);
+    std::vector<double> ends = volume.knots[across];
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    const int depth = std::min(layer, static_cast<int>(ends.size()) - 1);
+    const double place = faceSide(face) ? ends[ends.size() - 1 - depth] : ends[depth];
     for (int t = 0; t < geometry.samples[1]; ++t)
     {
       for (int s = 0; s < geometry.samples[0]; ++s)
@@ -121,7 +129,7 @@ TEST(FaceGeometry, AllFacesOfAVolumeAreWhereItsEvaluationIs)
         Vec3 uvw;
         uvw[faceAxis(face, 0)] = parameters[0][s];
         uvw[faceAxis(face, 1)] = parameters[1][t];
-        uvw[across] = faceSide(face) ? volume.knots[across].back() : volume.knots[across].front();
+        uvw[across] = place;
         std::array<Vec3, 3> tangents;
         for (int d = 0; d < 3; ++d)
         {
@@ -134,9 +142,9 @@ TEST(FaceGeometry, AllFacesOfAVolumeAreWhereItsEvaluationIs)
         {
           normal = -normal;
         }
-        const std::size_t n = s + std::size_t(geometry.samples[0]) * t;
-        EXPECT_NEAR((geometry.points[n] - evaluate(volume, uvw)).norm(), 0.0, 1e-13);
-        EXPECT_NEAR((geometry.normals[n] - normal).norm(), 0.0, 1e-12);
+        const std::size_t at = s + std::size_t(geometry.samples[0]) * t;
+        EXPECT_NEAR((geometry.points[at] - evaluate(volume, uvw)).norm(), 0.0, 1e-13);
+        EXPECT_NEAR((geometry.normals[at] - normal).norm(), 0.0, 1e-12);
       }
     }
   }

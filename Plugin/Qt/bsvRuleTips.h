@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * ParaView's text about the point under the mouse (Hover Points On) has the numbers of its arrays only: this puts the
+ * name of the rule beside the code of ControlPointRule. Block and index of the point are there already.
+ */
+#ifndef bsvRuleTips_h
+#define bsvRuleTips_h
+
+#include <QObject>
+
+class bsvRuleTips : public QObject
+{
+  Q_OBJECT
+
+public:
+  explicit bsvRuleTips(QObject* parent);
+
+protected:
+  bool eventFilter(QObject* watched, QEvent* event) override;
+};
+
+#endif
