@@ -693,9 +693,10 @@ std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std:
   {
     const bsv::Join& join = result.joins[result.ranking.front()];
     const bsv::JumpMaximum& jump = join.worst[int(join.rankedBy())];
-    text << "worst of all, expected or not: " << kindOf(join) << ' ' << names[join.sides[0].block] << '|' << names[join.sides[1].block] << ", "
-         << bsv::continuityName(join.continuity) << ", " << measureName(join.rankedBy()) << ' ' << jump.value << " at "
-         << jump.point[0] << ' ' << jump.point[1] << ' ' << jump.point[2] << '\n';
+    text << "worst of all, expected or not: " << kindOf(join) << ' ' << names[join.sides[0].block] << '|'
+         << names[join.sides[1].block] << ", " << bsv::continuityName(join.continuity) << ", "
+         << measureName(join.rankedBy()) << ' ' << jump.value << " at " << jump.point[0] << ' ' << jump.point[1] << ' '
+         << jump.point[2] << '\n';
   }
   return text.str();
 }
