@@ -343,9 +343,12 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
   text << complex.blocks.size() << " blocks, " << total << " control points, " << classes.extraordinaryEdges
        << " extraordinary edges, " << counts.singularNodes << " singular nodes, " << counts.planarFaces
        << " planar sides\n";
-  for (const std::string& note : complex.notes)
+  for (const std::vector<std::string>* notes : { &complex.notes, &counts.notes })
   {
-    text << note << '\n';
+    for (const std::string& note : *notes)
+    {
+      text << note << '\n';
+    }
   }
   text << wallPoints.report;
   for (const auto& [valence, count] : classes.extraordinaryCurves)

@@ -353,6 +353,7 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
     report.g1 = joinAndCheck(context, convert, report.spans, run);
   }
   report.planarFaces = rules.planarFaces;
+  report.notes = rules.notes;
   layer.describe(report);
   countAll(context, singularNodes, run, report);
   return report;

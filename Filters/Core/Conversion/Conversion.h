@@ -94,7 +94,8 @@ struct ConversionOptions
   /// Role per entry of BlockComplex::boundaryNames; missing entries are Other.
   std::vector<BoundaryRole> roles;
   PlanarSides planarSides = PlanarSides::FarField;
-  /// A side is planar if its points are closer to a plane than this fraction of its bounding box's diagonal.
+  /// A side is planar if its points are closer to a plane than this fraction of its bounding box's diagonal; within a
+  /// thousandth of the limit it is taken as curved, which the report says.
   double planarTolerance = 1e-6;
   Twist twist = Twist::SecondFundamentalForm;
   Continuity continuity = Continuity::SingleKnots;
@@ -203,6 +204,8 @@ struct ConversionReport
   RuleCounts controlPoints{};
   Index singularNodes = 0;
   Index planarFaces = 0;
+  /// What was borderline, one line each.
+  std::vector<std::string> notes;
   /// Distances of the first inserted layer per side with a far-field extension (PerVertex: their mean).
   std::vector<double> extensionDistances;
   /// Places where this distance would reach over 2/3 of the extension's first cell and was cut to that.

@@ -2,7 +2,9 @@
 #include "Conversion/EntityRules.h"
 
 #include "Base/Numbers.h"
+#include "Complex/CreaseEdges.h"
 #include "Complex/FacePoints.h"
+#include "Mesh/BlockSurface.h"
 #include "Ranks/OwnedValues.h"
 
 #include <Eigen/Eigenvalues>
@@ -16,6 +18,10 @@ namespace bsv
 {
 namespace
 {
+
+/// By how much of the planar tolerance a side must be within it: sums over its points round another way in another
+/// numbering, by far less.
+constexpr double PlanarMargin = 1e-3;
 
 struct Plane
 {
@@ -206,7 +212,7 @@ std::vector<double> turningAngles(
 /// body inside) and if it borders on planar sides alone: next to a curved one, whose border is smoothed, kept points
 /// would fold thin layers.
 std::vector<int> planarBoundaryFaces(
-  const BlockComplex& complex, const EntityRules& rules, double tolerance, const Ranks& ranks)
+  const BlockComplex& complex, EntityRules& rules, double tolerance, const Ranks& ranks)
 {
   // Sharper turns, in degrees, separate sides.
   constexpr double SideAngle = 30.0;
@@ -241,11 +247,20 @@ std::vector<int> planarBoundaryFaces(
     }
   }
   const std::vector<double> angles = turningAngles(complex, rules, joins, ranks);
+  std::size_t atLimit = 0;
   for (std::size_t i = 0; i < joins.size(); ++i)
   {
     const auto [a, b] = facesAt(joins[i]);
-    neighbours[a].push_back({ b, angles[i] <= SideAngle });
-    neighbours[b].push_back({ a, angles[i] <= SideAngle });
+    const bool sameSide = angles[i] <= SideAngle + CreaseAngleMargin;
+    neighbours[a].push_back({ b, sameSide });
+    neighbours[b].push_back({ a, sameSide });
+    atLimit += std::abs(angles[i] - SideAngle) <= CreaseAngleMargin ? 1 : 0;
+  }
+  if (atLimit > 0)
+  {
+    rules.notes.push_back(std::to_string(atLimit) +
+      (atLimit == 1 ? " edge between outer faces turns by " : " edges between outer faces turn by ") + text(SideAngle) +
+      " degrees, the limit between sides, to " + text(CreaseAngleMargin) + ": taken as within one side.");
   }
 
   std::vector<int> sideOf(count, -1);
@@ -274,34 +289,45 @@ std::vector<int> planarBoundaryFaces(
   }
   const std::vector<Plane> planes = fitPlanes(complex, sides, ranks);
 
-  const auto isPlanar = [&](int side) { return planes[side].deviation <= tolerance * planes[side].diagonal; };
-  std::vector<int> candidates;
-  std::vector<Plane> candidatePlanes;
-  std::vector<double> tolerances;
-  for (std::size_t side = 0; side < sides.size(); ++side)
-  {
-    bool keeps = rules.faces[sides[side].front()].role == BoundaryRole::Other && isPlanar(static_cast<int>(side));
-    for (const int face : sides[side])
+  // The sides that keep their points if planes are that thick, in diagonals.
+  const auto keptSides = [&](double thickness) {
+    const auto isPlanar = [&](int side) { return planes[side].deviation <= thickness * planes[side].diagonal; };
+    std::vector<int> candidates;
+    std::vector<Plane> candidatePlanes;
+    std::vector<double> tolerances;
+    for (std::size_t side = 0; side < sides.size(); ++side)
     {
-      for (const Neighbour& next : neighbours[face])
+      bool keeps = rules.faces[sides[side].front()].role == BoundaryRole::Other && isPlanar(static_cast<int>(side));
+      for (const int face : sides[side])
       {
-        keeps = keeps && rules.faces[next.face].role != BoundaryRole::Body && isPlanar(sideOf[next.face]);
+        for (const Neighbour& next : neighbours[face])
+        {
+          keeps = keeps && rules.faces[next.face].role != BoundaryRole::Body && isPlanar(sideOf[next.face]);
+        }
+      }
+      if (keeps)
+      {
+        candidates.push_back(static_cast<int>(side));
+        candidatePlanes.push_back(planes[side]);
+        tolerances.push_back(thickness * planes[side].diagonal);
       }
     }
-    if (keeps)
+    const std::vector<bool> support = supportMesh(complex, candidatePlanes, tolerances, ranks);
+    std::vector<char> kept(sides.size(), 0);
+    for (std::size_t i = 0; i < candidates.size(); ++i)
     {
-      candidates.push_back(static_cast<int>(side));
-      candidatePlanes.push_back(planes[side]);
-      tolerances.push_back(tolerance * planes[side].diagonal);
+      kept[candidates[i]] = support[i] ? 1 : 0;
     }
-  }
-  const std::vector<bool> support = supportMesh(complex, candidatePlanes, tolerances, ranks);
+    return kept;
+  };
+  const std::vector<char> kept = keptSides(tolerance * (1.0 - PlanarMargin));
+  rules.notePlanarLimit(kept, keptSides(tolerance * (1.0 + PlanarMargin)), tolerance);
   std::vector<int> planar(count, -1);
-  for (std::size_t i = 0; i < candidates.size(); ++i)
+  for (std::size_t side = 0; side < sides.size(); ++side)
   {
-    for (const int face : sides[candidates[i]])
+    for (const int face : sides[side])
     {
-      planar[face] = support[i] ? candidates[i] : -1;
+      planar[face] = kept[side] ? static_cast<int>(side) : -1;
     }
   }
   return planar;
@@ -364,6 +390,21 @@ EdgeRule edgeRule(const BlockComplex& complex, const std::vector<FaceRule>& face
 
 } // namespace
 
+void EntityRules::notePlanarLimit(const std::vector<char>& kept, const std::vector<char>& thicker, double tolerance)
+{
+  Index count = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+  {
+    count += kept[i] != thicker[i] ? 1 : 0;
+  }
+  if (count > 0)
+  {
+    this->notes.push_back(std::to_string(count) +
+      (count == 1 ? " block side differs from a plane by " : " block sides differ from a plane by ") + text(tolerance) +
+      " of the diagonal, Planar Tolerance, to a thousandth of that: taken as curved.");
+  }
+}
+
 ControlPointRule EntityRules::boundaryRule(int face) const
 {
   const FaceRule& rule = this->faces[face];
@@ -415,16 +456,42 @@ EntityRules classify(const LocalStars& stars, const ConversionOptions& options, 
       sides.push_back({ f });
     }
     const std::vector<Plane> planes = fitPlanes(complex, sides, *run.ranks);
+    const auto keptFaces = [&](double thickness) {
+      std::vector<char> kept;
+      for (std::size_t f = 0; f < planes.size(); ++f)
+      {
+        kept.push_back(
+          rules.faces[f].role != BoundaryRole::Body && planes[f].deviation <= thickness * planes[f].diagonal);
+      }
+      return kept;
+    };
+    const std::vector<char> kept = keptFaces(options.planarTolerance * (1.0 - PlanarMargin));
+    rules.notePlanarLimit(kept, keptFaces(options.planarTolerance * (1.0 + PlanarMargin)), options.planarTolerance);
     for (std::size_t f = 0; f < planes.size(); ++f)
     {
-      const bool keeps = rules.faces[f].role != BoundaryRole::Body &&
-        planes[f].deviation <= options.planarTolerance * planes[f].diagonal;
-      planar[f] = keeps ? static_cast<int>(f) : -1;
+      planar[f] = kept[f] ? static_cast<int>(f) : -1;
     }
   }
   if (options.planarSides != PlanarSides::None)
   {
-    rules.farField = farFieldSides(complex, options, run);
+    const auto found = [&](double factor) {
+      ConversionOptions changed = options;
+      changed.planarTolerance *= factor;
+      return farFieldSides(complex, changed, run);
+    };
+    rules.farField = found(1.0 - PlanarMargin);
+    const auto marked = [&](const std::vector<FarFieldSide>& sides) {
+      std::vector<char> faces(complex.faces.size(), 0);
+      for (const FarFieldSide& side : sides)
+      {
+        for (const int face : side.faces)
+        {
+          faces[face] = 1;
+        }
+      }
+      return faces;
+    };
+    rules.notePlanarLimit(marked(rules.farField), marked(found(1.0 + PlanarMargin)), options.planarTolerance);
   }
   for (const FarFieldSide& side : rules.farField)
   {

@@ -8,6 +8,7 @@
 #include "Conversion/Conversion.h"
 #include "Conversion/FarField.h"
 
+#include <string>
 #include <vector>
 
 namespace bsv
@@ -47,6 +48,11 @@ struct EntityRules
   Index planarFaces = 0;
   /// Where a far-field extension is attached; none if there are no planar sides.
   std::vector<FarFieldSide> farField;
+  /// What was too near a limit to be told by it, for the report; the same on all ranks.
+  std::vector<std::string> notes;
+
+  /// Notes how many of the planar sides that a slightly thicker plane holds are not `kept`.
+  void notePlanarLimit(const std::vector<char>& kept, const std::vector<char>& thicker, double tolerance);
 
   /// Rule of the points of a boundary face.
   ControlPointRule boundaryRule(int face) const;

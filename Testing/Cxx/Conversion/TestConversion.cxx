@@ -547,6 +547,57 @@ TEST(Conversion, PlanarSidesKeepTheirPoints)
   }
 }
 
+// At the limit a side is curved in every numbering, and the report says so; beside it, it does not.
+TEST(Conversion, PlanarSidesHaveAMargin)
+{
+  const auto map = [](const Vec3& x) {
+    return Vec3(x[0], x[1], x[2] + 1e-4 * x[2] * std::sin(1.0 + 2.0 * x[0] + 3.0 * x[1]));
+  };
+  MeshCase mesh = meshcases::cutBox({ 4, 3, 4 }, {}, map);
+  const auto converted = [&](MeshCase& some, double tolerance) {
+    ConversionOptions options;
+    options.planarSides = PlanarSides::All;
+    options.planarTolerance = tolerance;
+    return convert(some.mesh(), options).report;
+  };
+  // Every tolerance at which one side more is planar.
+  std::vector<double> limits;
+  for (double below = 1e-9; limits.size() < 5;)
+  {
+    const Index planar = converted(mesh, below).planarFaces;
+    double least = below, most = 1.0;
+    while (most > least * (1.0 + 1e-12))
+    {
+      const double middle = std::sqrt(least * most);
+      (converted(mesh, middle).planarFaces > planar ? most : least) = middle;
+    }
+    if (most >= 0.5)
+    {
+      break;
+    }
+    limits.push_back(most);
+    below = most * 1.01;
+  }
+  ASSERT_FALSE(limits.empty());
+  for (const double limit : limits)
+  {
+    EXPECT_TRUE(converted(mesh, 0.99 * limit).notes.empty());
+    EXPECT_TRUE(converted(mesh, 1.01 * limit).notes.empty());
+    // The margin is a thousandth: exactly at the limit a side's deviation is as far from it as it can be taken.
+    const double exact = limit * (1.0 - 1e-3);
+    const ConversionReport report = converted(mesh, exact);
+    EXPECT_EQ(report.notes.size(), 1);
+    for (int orientation = 0; orientation < 48; ++orientation)
+    {
+      MeshCase turned = mesh;
+      meshcases::reorient(turned, 0, orientation);
+      const ConversionReport other = converted(turned, exact);
+      EXPECT_EQ(other.planarFaces, report.planarFaces);
+      EXPECT_EQ(other.notes, report.notes);
+    }
+  }
+}
+
 // Along a crease the surface is the cubic B-spline curve of the crease's own points, whatever lies beside it.
 TEST(Conversion, CreaseIsTheSplineOfItsOwnPoints)
 {
