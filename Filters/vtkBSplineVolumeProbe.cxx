@@ -5,6 +5,7 @@
 #include "Data/BSplineVolumeData.h"
 #include "Data/FinitePoints.h"
 #include "Execution/FilterExecution.h"
+#include "Ranks/SharedBox.h"
 #include "Volume/VolumeLocator.h"
 
 #include "vtkDataSet.h"
@@ -56,21 +57,7 @@ Answer answerTo(const bsv::VolumeLocator& locator, const std::vector<bsv::BSplin
 /// Of the volumes of all ranks; 0 without any.
 double diagonal(const bsv::VolumeLocator& locator, const bsv::Ranks& ranks)
 {
-  struct Corners
-  {
-    bsv::Triple low, high;
-  };
-  std::vector<Corners> mine;
-  if (!locator.bounds().isEmpty())
-  {
-    mine.push_back({ bsv::triple(locator.bounds().min()), bsv::triple(locator.bounds().max()) });
-  }
-  Eigen::AlignedBox3d box;
-  for (const Corners& part : ranks.gatherAll(mine))
-  {
-    box.extend(bsv::vec3(part.low));
-    box.extend(bsv::vec3(part.high));
-  }
+  const Eigen::AlignedBox3d box = bsv::sharedBox(locator.bounds(), ranks);
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 

@@ -9,6 +9,7 @@
 #include "Mesh/Enclosure.h"
 #include "Mesh/SharedEntities.h"
 #include "Ranks/Ranks.h"
+#include "Ranks/SharedBox.h"
 #include "Volume/ControlPointRule.h"
 #include "Volume/FaceGeometry.h"
 #include "Volume/VolumeInterfaces.h"
@@ -338,17 +339,26 @@ public:
     this->Gaussian->InsertNextValue(static_cast<float>(gaussian));
   }
 
-  /// Quadrilaterals of the last ns x nt points. @param cell cell of the input at (s, t)
+  /// Quadrilaterals of the last ns x nt points, counterclockwise around the normals: else the light comes from behind.
+  /// @param cell cell of the input at (s, t)
   template <typename Cell>
   void quads(int ns, int nt, int tag, const Cell& cell)
   {
     const vtkIdType first = this->Points->GetNumberOfPoints() - vtkIdType(ns) * nt;
+    const bool against = this->windsAgainstNormals(first, ns, nt);
     for (int t = 0; t + 1 < nt; ++t)
     {
       for (int s = 0; s + 1 < ns; ++s)
       {
         const vtkIdType p = first + s + vtkIdType(ns) * t;
-        this->Quads->InsertNextCell({ p, p + 1, p + 1 + ns, p + ns });
+        if (against)
+        {
+          this->Quads->InsertNextCell({ p, p + ns, p + 1 + ns, p + 1 });
+        }
+        else
+        {
+          this->Quads->InsertNextCell({ p, p + 1, p + 1 + ns, p + ns });
+        }
         this->Boundary->InsertNextValue(tag);
         this->SourceCell->InsertNextValue(cell(s, t));
       }
@@ -389,6 +399,28 @@ public:
   }
 
 private:
+  /// The sign of most of the structured surface's area along the normals.
+  bool windsAgainstNormals(vtkIdType first, int ns, int nt) const
+  {
+    const auto point = [&](vtkIdType id) {
+      Vec3 x;
+      this->Points->GetPoint(id, x.data());
+      return x;
+    };
+    double along = 0.0;
+    for (int t = 0; t + 1 < nt; ++t)
+    {
+      for (int s = 0; s + 1 < ns; ++s)
+      {
+        const vtkIdType p = first + s + vtkIdType(ns) * t;
+        Vec3 normal;
+        this->Normals->GetTuple(p, normal.data());
+        along += (point(p + 1 + ns) - point(p)).cross(point(p + ns) - point(p + 1)).dot(normal);
+      }
+    }
+    return along < 0.0;
+  }
+
   vtkNew<vtkPoints> Points;
   vtkNew<vtkFloatArray> Normals;
   vtkNew<vtkCellArray> Quads;
@@ -442,26 +474,6 @@ Ijk cornerPoint(const Ijk& last, int corner)
     ijk[d] = cornerSide(corner, d) * last[d];
   }
   return ijk;
-}
-
-/// The bounding box of points of all ranks.
-Eigen::AlignedBox3d sharedBox(const Eigen::AlignedBox3d& mine, const Ranks& ranks)
-{
-  std::vector<double> corners;
-  if (!mine.isEmpty())
-  {
-    for (const Vec3& x : { mine.min(), mine.max() })
-    {
-      corners.insert(corners.end(), x.data(), x.data() + 3);
-    }
-  }
-  corners = ranks.gatherAll(corners);
-  Eigen::AlignedBox3d box;
-  for (std::size_t n = 0; n + 2 < corners.size(); n += 3)
-  {
-    box.extend(Vec3(corners.data() + n));
-  }
-  return box;
 }
 
 /// Whether the first block that is here has knots; on all ranks.

@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <tuple>
 
 namespace bsv
@@ -317,12 +316,13 @@ private:
   /// An end of a fan.
   struct FanEnd
   {
-    int fan;
-    bool lastLayer;
+    /// -1: none.
+    int fan = -1;
+    bool lastLayer = false;
   };
 
   /// The end at which the fan of the next edge continues one, with the blocks across the ends of all its sectors.
-  std::optional<FanEnd> nextEnd(const NetFan& fan, bool lastLayer) const
+  FanEnd nextEnd(const NetFan& fan, bool lastLayer) const
   {
     const auto acrossOf = [&](const NetSector& sector) {
       return contactOf(this->Complex, sector.block, this->endFace(sector, lastLayer));
@@ -355,7 +355,7 @@ private:
         if (next.shape.closed == fan.shape.closed && next.sectors.size() == fan.sectors.size() &&
           std::all_of(fan.sectors.begin(), fan.sectors.end(), continues))
         {
-          return FanEnd{ f, last };
+          return { f, last };
         }
       }
     }
@@ -375,7 +375,7 @@ private:
     {
       const ComplexVertex& vertex = this->Complex.vertices[this->vertexOf(fan, lastLayer)];
       int& skipped = fan.skipped[lastLayer ? 1 : 0];
-      if (vertex.corners.size() == 2 * n && this->nextEnd(fan, lastLayer))
+      if (vertex.corners.size() == 2 * n && this->nextEnd(fan, lastLayer).fan >= 0)
       {
         continue;
       }
@@ -621,9 +621,9 @@ private:
       const NetFan& fan = this->Fans[f];
       for (const bool lastLayer : { false, true })
       {
-        const std::optional<FanEnd> next = fan.edge >= 0 ? this->nextEnd(fan, lastLayer) : std::nullopt;
+        const FanEnd next = fan.edge >= 0 ? this->nextEnd(fan, lastLayer) : FanEnd{};
         const int layer = lastLayer ? fan.layers - 1 : 0;
-        if (next && !this->canJoin(next->fan, next->lastLayer ? this->Fans[next->fan].layers - 1 : 0))
+        if (next.fan >= 0 && !this->canJoin(next.fan, next.lastLayer ? this->Fans[next.fan].layers - 1 : 0))
         {
           this->Joined[f][layer] = false;
         }
@@ -863,7 +863,7 @@ private:
       const bool toLast = !fromLast;
       shifts.push_back(current);
       const ComplexVertex& top = this->Complex.vertices[this->vertexOf(fan, toLast)];
-      const std::optional<FanEnd> next = this->nextEnd(fan, toLast);
+      const FanEnd next = this->nextEnd(fan, toLast);
       if (distance >= range)
       {
         cut = range;
@@ -873,7 +873,7 @@ private:
         const int layer = std::max(0, std::min(fan.layers - 1, toLast ? fan.layers - left : left - 1));
         cut = distances.back()[layer];
       }
-      else if (!next || top.boundary || shifts.size() > this->Complex.edges.size())
+      else if (next.fan < 0 || top.boundary || shifts.size() > this->Complex.edges.size())
       {
         // A thin stack moves with the wall; what must stay where it is does not.
         bool stays = left > 0;
@@ -887,8 +887,8 @@ private:
       }
       else
       {
-        current = this->continued(current, toLast, *next);
-        fromLast = next->lastLayer;
+        current = this->continued(current, toLast, next);
+        fromLast = next.lastLayer;
       }
     }
     for (std::size_t i = 0; i < shifts.size(); ++i)

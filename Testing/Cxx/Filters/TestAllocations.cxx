@@ -67,6 +67,12 @@ void* allocate(std::size_t bytes, std::size_t alignment, const void* caller)
   return room;
 }
 
+/// Never inlined: compilers would see free() for what they know to come from `new`, and warn.
+[[gnu::noinline]] void release(void* room)
+{
+  std::free(room);
+}
+
 } // namespace
 
 void* operator new(std::size_t bytes)
@@ -87,35 +93,35 @@ void* operator new[](std::size_t bytes, std::align_val_t alignment)
 }
 void operator delete(void* room) noexcept
 {
-  std::free(room);
+  release(room);
 }
 void operator delete[](void* room) noexcept
 {
-  std::free(room);
+  release(room);
 }
 void operator delete(void* room, std::size_t) noexcept
 {
-  std::free(room);
+  release(room);
 }
 void operator delete[](void* room, std::size_t) noexcept
 {
-  std::free(room);
+  release(room);
 }
 void operator delete(void* room, std::align_val_t) noexcept
 {
-  std::free(room);
+  release(room);
 }
 void operator delete[](void* room, std::align_val_t) noexcept
 {
-  std::free(room);
+  release(room);
 }
 void operator delete(void* room, std::size_t, std::align_val_t) noexcept
 {
-  std::free(room);
+  release(room);
 }
 void operator delete[](void* room, std::size_t, std::align_val_t) noexcept
 {
-  std::free(room);
+  release(room);
 }
 
 namespace
