@@ -8,10 +8,14 @@
 #include "Formats/NeutralMapFile.h"
 #include "Formats/Plot3DFile.h"
 
+#include "vtkCellArray.h"
 #include "vtkCellData.h"
+#include "vtkCellType.h"
+#include "vtkDataAssembly.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"
+#include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -22,8 +26,10 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkSmartPointer.h"
+#include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkUnstructuredGrid.h"
 #include "vtksys/SystemTools.hxx"
 
 #include <algorithm>
@@ -116,6 +122,75 @@ vtkSmartPointer<vtkStructuredGrid> adopt(bsv::GridBlock& block)
   return grid;
 }
 
+/// Grid of cells of one type with these points of a zone, each of which it has once.
+vtkSmartPointer<vtkUnstructuredGrid> gridOf(
+  const bsv::HexZone& zone, const std::vector<bsv::Index>& corners, int type, int size, bool allPoints)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  std::vector<vtkIdType> number(zone.points.size() / 3, -1);
+  const auto add = [&](bsv::Index p) {
+    if (number[p] < 0)
+    {
+      number[p] = points->InsertNextPoint(zone.points.data() + 3 * p);
+    }
+    return number[p];
+  };
+  for (std::size_t p = 0; allPoints && p < number.size(); ++p)
+  {
+    add(static_cast<bsv::Index>(p));
+  }
+  vtkNew<vtkCellArray> cells;
+  cells->AllocateExact(static_cast<vtkIdType>(corners.size()) / size, static_cast<vtkIdType>(corners.size()));
+  for (std::size_t c = 0; c < corners.size(); c += size)
+  {
+    cells->InsertNextCell(size);
+    for (int n = 0; n < size; ++n)
+    {
+      cells->InsertCellPoint(add(corners[c + n]));
+    }
+  }
+  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  grid->SetPoints(points);
+  grid->SetCells(type, cells);
+  return grid;
+}
+
+/// Adds the cells of a zone, and a data set per boundary, which its name names.
+void addHexZone(vtkPartitionedDataSetCollection* collection, const bsv::HexZone& zone)
+{
+  const auto add = [&](vtkUnstructuredGrid* grid, const std::string& name) {
+    const unsigned int at = collection->GetNumberOfPartitionedDataSets();
+    collection->SetNumberOfPartitionedDataSets(at + 1);
+    if (grid)
+    {
+      collection->SetPartition(at, 0, grid);
+    }
+    collection->GetMetaData(at)->Set(vtkCompositeDataSet::NAME(), name.c_str());
+    vtkDataAssembly* assembly = collection->GetDataAssembly();
+    const int node = assembly->AddNode(bsv::nodeName(name).c_str());
+    assembly->AddDataSetIndex(node, at);
+    assembly->SetAttribute(node, "label", name.c_str());
+  };
+  const bool here = !zone.points.empty();
+  constexpr int HexahedronSize = 8;
+  constexpr int QuadSize = 4;
+  add(here ? gridOf(zone, zone.hexahedra, VTK_HEXAHEDRON, HexahedronSize, true).Get() : nullptr, zone.name);
+  for (const bsv::HexZone::Boundary& boundary : zone.boundaries)
+  {
+    vtkSmartPointer<vtkUnstructuredGrid> grid;
+    if (here)
+    {
+      grid = gridOf(zone, boundary.quadrilaterals, VTK_QUAD, QuadSize, false);
+      vtkNew<vtkStringArray> type;
+      type->SetName("BoundaryType");
+      type->InsertNextValue(boundary.type);
+      grid->GetFieldData()->AddArray(type);
+    }
+    add(grid, boundary.name);
+  }
+}
+
 /// Says how many points the file blanks or takes from other grids. Collective.
 void tellBlanked(const std::vector<bsv::GridBlock>& blocks, const bsv::Ranks& ranks, std::vector<std::string>& warnings)
 {
@@ -187,12 +262,14 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     fileName = step.file;
     std::string layoutName;
     std::vector<bsv::GridBlock> blocks;
+    std::vector<bsv::HexZone> hexZones;
     bsv::BlockMesh mesh;
     std::vector<std::string> warnings;
     if (bsv::looksLikeCGNS(fileName))
     {
       bsv::CGNSZones zones = bsv::readCGNS(fileName, run, piece, step.number);
       blocks = std::move(zones.blocks);
+      hexZones = std::move(zones.hexZones);
       mesh.interfaces = std::move(zones.interfaces);
       mesh.boundaries = std::move(zones.boundaries);
       mesh.boundaryNames = std::move(zones.boundaryNames);
@@ -250,6 +327,10 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
     bsv::setConnectivity(result->GetFieldData(), mesh);
     // The same blocks in all steps.
     bsv::tagBlocks(result, mesh, this->GetFileName());
+    for (const bsv::HexZone& zone : hexZones)
+    {
+      addHexZone(result, zone);
+    }
     output->ShallowCopy(result);
     this->FileLayout = layoutName;
     for (const std::string& warning : warnings)

@@ -9,11 +9,15 @@
  *   double, with or without iblank. The layout that explains the size of the file is taken; Format, ByteOrder,
  *   Precision and IBlank override what is found. A neutral map file (`.nmf`) of the same name beside it tells contacts
  *   and boundary conditions.
- * - CGNS (ADF and HDF5): all structured zones of cell dimension 3 with their 1-to-1 interfaces and boundary conditions.
+ * - CGNS (ADF and HDF5): all structured zones of cell dimension 3 with their 1-to-1 interfaces and boundary conditions,
+ *   and unstructured zones of hexahedra, with the quadrilaterals of their boundary conditions.
  *
  * Output: a vtkPartitionedDataSetCollection, one vtkStructuredGrid per block, named like the CGNS zone or
  * `block 1`, `block 2`, .. in its meta data and in the data assembly. Points are float or double, as in the file
- * (ASCII: double). Field data of the collection, each array only if the file tells it (exact layout: HexBlockData.h):
+ * (ASCII: double). An unstructured zone is one vtkUnstructuredGrid of hexahedra, and one of quadrilaterals per boundary
+ * with its name, and with its type in the field array `BoundaryType`; the filters make blocks of them
+ * (vtkHexMeshToBlocks). Field data of the collection, each array only if the file tells it (exact layout:
+ * HexBlockData.h):
  * - `Interfaces` (int, 12): contacts of block faces; their points were found to coincide;
  * - `Boundaries` (int, 3 or 7) and `BoundaryNames` (string): TYPE of the neutral map, or the CGNS family, else the
  *   condition's own name, or its type if the name is but a number. CGNS contacts marked periodic make the boundary
@@ -42,7 +46,7 @@
  *
  * Sources: PLOT3D User's Manual, NASA TM-101067 (1990); W. T. Jones, The Neutral Map File, NASA Langley GEOLAB; CGNS
  * Standard Interface Data Structures, https://cgns.github.io. Not read: two-dimensional and whole-plane PLOT3D files,
- * function and solution files, unstructured CGNS zones, general CGNS connectivity.
+ * function and solution files, CGNS zones of other elements than hexahedra, general CGNS connectivity.
  *
  * @sa vtkHexBlockTopology vtkCatmullClarkToBSplineVolume
  */

@@ -151,6 +151,12 @@ public:
       {
         continue;
       }
+      // A reader may know what a boundary is.
+      auto* type = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("BoundaryType"));
+      if (type && type->GetNumberOfValues() == 1)
+      {
+        this->TypeOf[name] = type->GetValue(0);
+      }
       this->Leaves.push_back({ data, name, this->PointCount, this->CellCount });
       this->addCells(this->Leaves.back(), surfaces);
       this->PointCount += data->GetNumberOfPoints();
@@ -190,8 +196,12 @@ public:
     }
     for (const auto& type : this->TypeOf)
     {
-      this->Mesh.boundaryTypes.resize(this->Mesh.boundaryNames.size(), "BCTypeUserDefined");
-      this->Mesh.boundaryTypes[tags[type.first]] = type.second;
+      const auto tag = tags.find(type.first);
+      if (tag != tags.end())
+      {
+        this->Mesh.boundaryTypes.resize(this->Mesh.boundaryNames.size(), "BCTypeUserDefined");
+        this->Mesh.boundaryTypes[tag->second] = type.second;
+      }
     }
     if (!this->Options.boundaryArray.empty() && this->Quads > 0 && this->QuadNames.empty())
     {

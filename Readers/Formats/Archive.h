@@ -46,9 +46,16 @@ public:
   void operator()(const std::vector<Value>& values)
   {
     (*this)(static_cast<std::uint64_t>(values.size()));
-    for (const Value& value : values)
+    if constexpr (IsBytes<Value>::value)
     {
-      (*this)(value);
+      this->Bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+    }
+    else
+    {
+      for (const Value& value : values)
+      {
+        (*this)(value);
+      }
     }
   }
 

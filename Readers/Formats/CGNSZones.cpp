@@ -122,7 +122,7 @@ public:
       this->readBase(others);
     }
     this->Where.clear();
-    if (this->Zones.blocks.empty())
+    if (this->Zones.blocks.empty() && this->Zones.hexZones.empty())
     {
       this->fail("the file has no zones");
     }
@@ -250,18 +250,24 @@ private:
     const std::string base = this->Where;
     this->readFamilies();
 
-    this->FirstBlock = static_cast<int>(this->Zones.blocks.size());
     this->BlockOfName.clear();
+    std::vector<int> blockOfZone;
     for (int zone = 0; zone < zones; ++zone)
     {
       this->Zone = zone + 1;
       this->Where = base + ", zone " + std::to_string(this->Zone);
-      this->readZone(base);
+      const int block = static_cast<int>(this->Zones.blocks.size());
+      blockOfZone.push_back(this->readZone(base) ? block : -1);
     }
     for (int zone = 0; zone < zones; ++zone)
     {
       this->Zone = zone + 1;
-      this->Where = this->Places[this->FirstBlock + zone].where;
+      this->Block = blockOfZone[zone];
+      if (this->Block < 0)
+      {
+        continue;
+      }
+      this->Where = this->Places[this->Block].where;
       this->readInterfaces();
       this->readBoundaries();
     }
@@ -284,7 +290,8 @@ private:
     return found;
   }
 
-  void readZone(const std::string& base)
+  /// @return whether it is structured
+  bool readZone(const std::string& base)
   {
     Name name{};
     // Room for an unstructured zone, too.
@@ -293,11 +300,14 @@ private:
     this->check(cg_zone_type(this->File, this->Base, this->Zone, &type), "type");
     this->check(cg_zone_read(this->File, this->Base, this->Zone, name.data(), size.data()), "size");
     this->Where = base + ", zone '" + name.data() + "'";
+    if (type == CGNS_ENUMV(Unstructured))
+    {
+      this->readHexZone(name.data(), size[0]);
+      return false;
+    }
     if (type != CGNS_ENUMV(Structured))
     {
-      this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type) +
-        "; only structured zones are blocks. Read the file with ParaView's CGNS reader (Load Patches on); unstructured "
-        "hexahedra become blocks by Hex Mesh To Blocks, or where the conversion takes them");
+      this->fail(std::string("the zone is of type ") + cg_ZoneTypeName(type));
     }
     GridBlock block;
     block.name = validUTF8(this->blockName(name.data()));
@@ -314,6 +324,287 @@ private:
     this->Mesh.blocks.push_back(meshBlock(this->Zones.blocks.back()));
     this->BlockOfName.emplace(name.data(), static_cast<int>(this->Places.size()));
     this->Places.push_back({ this->Base, this->Zone, this->Where });
+    return true;
+  }
+
+  /// An element of an unstructured zone that is a quadrilateral: its number in the zone, its section, its corners.
+  struct Quad
+  {
+    cgsize_t number;
+    int section;
+    std::array<Index, 4> points;
+  };
+
+  void readHexZone(const std::string& name, cgsize_t pointCount)
+  {
+    if (pointCount < 8 || pointCount > std::numeric_limits<int>::max())
+    {
+      this->fail("the zone has " + std::to_string(pointCount) + " points; hexahedra need at least 8");
+    }
+    HexZone zone;
+    zone.name = validUTF8(this->blockName(name));
+    std::vector<Quad> quads;
+    std::vector<std::string> sections;
+    int count = 0;
+    this->check(cg_nsections(this->File, this->Base, this->Zone, &count), "sections");
+    for (int s = 1; s <= count; ++s)
+    {
+      this->readSection(s, pointCount, zone, quads, sections);
+    }
+    std::sort(quads.begin(), quads.end(), [](const Quad& a, const Quad& b) { return a.number < b.number; });
+    std::vector<char> used(quads.size(), 0);
+    this->readHexBoundaries(pointCount, zone, quads, used);
+    for (std::size_t q = 0; q < quads.size(); ++q)
+    {
+      if (!used[q])
+      {
+        addQuad(boundaryOf(zone, sections[quads[q].section], UnknownBoundaryType), quads[q].points);
+      }
+    }
+    if (this->Part.number == 0)
+    {
+      GridBlock points;
+      points.name = zone.name;
+      points.counts = { static_cast<int>(pointCount), 1, 1 };
+      this->readCoordinates(points);
+      checkFinite(this->FileName, points);
+      const GridView view = points.view();
+      zone.points.resize(static_cast<std::size_t>(3 * pointCount));
+      for (Index p = 0; p < pointCount; ++p)
+      {
+        const Vec3 x = view.atOffset(p);
+        std::copy_n(x.data(), 3, zone.points.begin() + 3 * p);
+      }
+    }
+    else
+    {
+      zone.hexahedra.clear();
+      for (HexZone::Boundary& boundary : zone.boundaries)
+      {
+        boundary.quadrilaterals.clear();
+      }
+    }
+    this->Zones.hexZones.push_back(std::move(zone));
+  }
+
+  static HexZone::Boundary& boundaryOf(HexZone& zone, const std::string& name, const std::string& type)
+  {
+    const auto known = std::find_if(zone.boundaries.begin(), zone.boundaries.end(),
+      [&](const HexZone::Boundary& boundary) { return boundary.name == name; });
+    if (known != zone.boundaries.end())
+    {
+      return *known;
+    }
+    zone.boundaries.push_back({ name, type, {} });
+    return zone.boundaries.back();
+  }
+
+  static void addQuad(HexZone::Boundary& boundary, const std::array<Index, 4>& points)
+  {
+    boundary.quadrilaterals.insert(boundary.quadrilaterals.end(), points.begin(), points.end());
+  }
+
+  void readSection(
+    int section, cgsize_t pointCount, HexZone& zone, std::vector<Quad>& quads, std::vector<std::string>& sections)
+  {
+    Name name{};
+    CGNS_ENUMT(ElementType_t) type;
+    cgsize_t first = 0;
+    cgsize_t last = 0;
+    int boundary = 0;
+    int parents = 0;
+    this->check(cg_section_read(
+                  this->File, this->Base, this->Zone, section, name.data(), &type, &first, &last, &boundary, &parents),
+      "section");
+    const std::string where = "section '" + std::string(name.data()) + "'";
+    sections.push_back(validUTF8(trimmed(name.data())));
+    cgsize_t size = 0;
+    this->check(cg_ElementDataSize(this->File, this->Base, this->Zone, section, &size), where);
+    const bool mixed = type == CGNS_ENUMV(MIXED);
+    int nodes = 0;
+    if (!mixed && (cg_npe(type, &nodes) != CG_OK || nodes < 1))
+    {
+      this->fail(
+        where + " has elements of type " + cg_ElementTypeName(type) + "; only hexahedra can be part of blocks");
+    }
+    if (last < first || size < 0 || size / std::max(1, nodes) < last - first + 1)
+    {
+      this->fail(where + " has the elements " + std::to_string(first) + " to " + std::to_string(last) + " in " +
+        std::to_string(size) + " numbers");
+    }
+    std::vector<cgsize_t> values(static_cast<std::size_t>(size));
+    if (mixed)
+    {
+#if CGNS_VERSION >= 4000
+      std::vector<cgsize_t> offsets(static_cast<std::size_t>(last - first + 2));
+      this->check(
+        cg_poly_elements_read(this->File, this->Base, this->Zone, section, values.data(), offsets.data(), nullptr),
+        where);
+#else
+      this->check(cg_elements_read(this->File, this->Base, this->Zone, section, values.data(), nullptr), where);
+#endif
+    }
+    else
+    {
+      this->check(cg_elements_read(this->File, this->Base, this->Zone, section, values.data(), nullptr), where);
+    }
+    std::size_t at = 0;
+    for (cgsize_t number = first; number <= last; ++number)
+    {
+      CGNS_ENUMT(ElementType_t) own = type;
+      if (mixed)
+      {
+        own = static_cast<CGNS_ENUMT(ElementType_t)>(at < values.size() ? values[at++] : 0);
+        if (cg_npe(own, &nodes) != CG_OK || nodes < 1)
+        {
+          this->fail(where + ", element " + std::to_string(number) + ", has the unknown type " + std::to_string(own));
+        }
+      }
+      if (at + static_cast<std::size_t>(nodes) > values.size())
+      {
+        this->fail(where + " ends before element " + std::to_string(number));
+      }
+      for (int n = 0; n < nodes; ++n)
+      {
+        if (values[at + n] < 1 || values[at + n] > pointCount)
+        {
+          this->fail(where + ", element " + std::to_string(number) + ", has the point " +
+            std::to_string(values[at + n]) + " of " + std::to_string(pointCount));
+        }
+      }
+      this->addElement(own, number, section - 1, values.data() + at, where, zone, quads);
+      at += static_cast<std::size_t>(nodes);
+    }
+  }
+
+  void addElement(CGNS_ENUMT(ElementType_t) type, cgsize_t number, int section, const cgsize_t* nodes,
+    const std::string& where, HexZone& zone, std::vector<Quad>& quads)
+  {
+    const std::string kind = cg_ElementTypeName(type);
+    const auto starts = [&](const char* word) { return kind.rfind(word, 0) == 0; };
+    if (starts("HEXA"))
+    {
+      for (int n = 0; n < 8; ++n)
+      {
+        zone.hexahedra.push_back(nodes[n] - 1);
+      }
+    }
+    else if (starts("QUAD"))
+    {
+      quads.push_back({ number, section, { nodes[0] - 1, nodes[1] - 1, nodes[2] - 1, nodes[3] - 1 } });
+    }
+    else if (!starts("NODE") && !starts("BAR"))
+    {
+      this->fail(where + ", element " + std::to_string(number) + ", is a " + kind +
+        "; only hexahedra, with quadrilaterals at their boundaries, can be part of blocks");
+    }
+  }
+
+  void readHexBoundaries(cgsize_t pointCount, HexZone& zone, const std::vector<Quad>& quads, std::vector<char>& used)
+  {
+    int conditions = 0;
+    this->check(cg_nbocos(this->File, this->Base, this->Zone, &conditions), "boundary conditions");
+    const std::string where = this->Where;
+    for (int c = 1; c <= conditions; ++c)
+    {
+      Name name{};
+      CGNS_ENUMT(BCType_t) type;
+      CGNS_ENUMT(PointSetType_t) set;
+      CGNS_ENUMT(DataType_t) normalType;
+      cgsize_t count = 0;
+      cgsize_t normalSize = 0;
+      int normalIndex[3];
+      int dataSets = 0;
+      this->check(cg_boco_info(this->File, this->Base, this->Zone, c, name.data(), &type, &set, &count, normalIndex,
+                    &normalSize, &normalType, &dataSets),
+        "boundary condition " + std::to_string(c));
+      this->Where = where + ", boundary condition '" + name.data() + "'";
+      const bool range = set == CGNS_ENUMV(PointRange) || set == CGNS_ENUMV(ElementRange);
+      const bool list = set == CGNS_ENUMV(PointList) || set == CGNS_ENUMV(ElementList);
+      if ((!range && !list) || (range && count != 2) || count < 0 || count > 8 * pointCount)
+      {
+        this->leaveOut("its faces are given as " + std::to_string(count) + " points of a " + cg_PointSetTypeName(set));
+        continue;
+      }
+      CGNS_ENUMT(GridLocation_t) location = CGNS_ENUMV(Vertex);
+      this->check(cg_boco_gridlocation_read(this->File, this->Base, this->Zone, c, &location), "location");
+      std::vector<cgsize_t> numbers(static_cast<std::size_t>(count));
+      this->check(cg_boco_read(this->File, this->Base, this->Zone, c, numbers.data(), nullptr), "points");
+      const BoundaryLabel label = this->boundaryLabel(name.data(), type, c);
+      const bool points = (set == CGNS_ENUMV(PointRange) || set == CGNS_ENUMV(PointList)) &&
+        (location == CGNS_ENUMV(Vertex) || location == CGNS_ENUMV(GridLocationNull));
+      const auto has = [&](cgsize_t number) {
+        return range ? number >= std::min(numbers[0], numbers[1]) && number <= std::max(numbers[0], numbers[1])
+                     : std::binary_search(numbers.begin(), numbers.end(), number);
+      };
+      if (list)
+      {
+        std::sort(numbers.begin(), numbers.end());
+      }
+      HexZone::Boundary found;
+      for (std::size_t q = 0; q < quads.size(); ++q)
+      {
+        const auto& corners = quads[q].points;
+        const bool own = points ? std::all_of(corners.begin(), corners.end(), [&](Index p) { return has(p + 1); })
+                                : has(quads[q].number);
+        if (own && !used[q])
+        {
+          used[q] = 1;
+          addQuad(found, corners);
+        }
+      }
+      if (points && found.quadrilaterals.empty())
+      {
+        addFacesOfPoints(zone, has, found);
+      }
+      if (found.quadrilaterals.empty())
+      {
+        this->leaveOut("no quadrilateral of the zone is meant by it");
+        continue;
+      }
+      std::vector<Index>& all = boundaryOf(zone, label.name, label.type).quadrilaterals;
+      all.insert(all.end(), found.quadrilaterals.begin(), found.quadrilaterals.end());
+    }
+    this->Where = where;
+  }
+
+  /// The faces that only one cell has and all of whose points are meant.
+  template <typename Has>
+  static void addFacesOfPoints(const HexZone& zone, const Has& has, HexZone::Boundary& boundary)
+  {
+    static constexpr int Faces[6][4] = { { 0, 3, 2, 1 }, { 4, 5, 6, 7 }, { 0, 1, 5, 4 }, { 1, 2, 6, 5 }, { 2, 3, 7, 6 },
+      { 3, 0, 4, 7 } };
+    // Sorted points, then the face itself.
+    std::vector<std::array<Index, 8>> faces;
+    for (std::size_t c = 0; c < zone.hexahedra.size(); c += 8)
+    {
+      for (const auto& corners : Faces)
+      {
+        std::array<Index, 8> face{};
+        bool meant = true;
+        for (int n = 0; n < 4 && meant; ++n)
+        {
+          face[n] = face[4 + n] = zone.hexahedra[c + corners[n]];
+          meant = has(face[n] + 1);
+        }
+        if (meant)
+        {
+          std::sort(face.begin(), face.begin() + 4);
+          faces.push_back(face);
+        }
+      }
+    }
+    std::sort(faces.begin(), faces.end());
+    const auto same = [&](std::size_t a, std::size_t b) {
+      return b < faces.size() && std::equal(faces[a].begin(), faces[a].begin() + 4, faces[b].begin());
+    };
+    for (std::size_t f = 0; f < faces.size(); ++f)
+    {
+      if (!same(f, f + 1) && (f == 0 || !same(f, f - 1)))
+      {
+        addQuad(boundary, { faces[f][4], faces[f][5], faces[f][6], faces[f][7] });
+      }
+    }
   }
 
   /// The descriptor `BlockName`, by which our writer keeps names that zones cannot have, or else the zone's name.
@@ -537,7 +828,9 @@ private:
           continue;
         }
         found = true;
-        if (dimensions != 3 || size[0] != stored[0] || size[1] != stored[1] || size[2] != stored[2])
+        const bool flat = block.counts[1] == 1;
+        if (dimensions != (flat ? 1 : 3) || size[0] != stored[0] ||
+          (!flat && (size[1] != stored[1] || size[2] != stored[2])))
         {
           this->fail(this->Axes[axis] + " of step " + std::to_string(this->Step) + " has not the size of the zone, " +
             bsv::toString(block.counts));
@@ -618,7 +911,10 @@ private:
     }
   }
 
-  const Ijk& counts(int block) const { return this->Mesh.blocks[block].points.counts(); }
+  const Ijk& counts(int block) const
+  {
+    return this->Mesh.blocks[block].points.counts();
+  }
 
   /// The block face that a range of vertices lies on, as a range along that face's axes; false if the range is a point
   /// or a line.
@@ -691,7 +987,7 @@ private:
 
       DirectedRange own;
       DirectedRange other;
-      if (!this->faceRange(this->FirstBlock + this->Zone - 1, range, own) ||
+      if (!this->faceRange(this->Block, range, own) ||
         !this->faceRange(this->blockOfZone(donor.data()), donorRange, other))
       {
         continue; // a line or a point joins nothing
@@ -713,7 +1009,7 @@ private:
   /// The boundary of a periodic contact that lists its points.
   void addPeriodic(int connection, CGNS_ENUMT(PointSetType_t) set, cgsize_t count, CGNS_ENUMT(GridLocation_t) location)
   {
-    const int block = this->FirstBlock + this->Zone - 1;
+    const int block = this->Block;
     const std::string zone = this->Where;
     const bool isRange = set == CGNS_ENUMV(PointRange) && count == 2;
     if (!isRange && (set != CGNS_ENUMV(PointList) || count < 0 || count > 8 * this->Zones.blocks[block].size()))
@@ -857,7 +1153,7 @@ private:
       "");
     this->Where = zone + ", boundary condition '" + name.data() + "'";
 
-    const int block = this->FirstBlock + this->Zone - 1;
+    const int block = this->Block;
     const bool isRange = set == CGNS_ENUMV(PointRange);
     if (!isRange && set != CGNS_ENUMV(PointList))
     {
@@ -1245,8 +1541,8 @@ private:
   bool IsOpen = false;
   int Base = 0;
   int Zone = 0;
-  /// First block of the current base.
-  int FirstBlock = 0;
+  /// The block of the current zone.
+  int Block = 0;
   /// What is being read, for error messages.
   std::string Where;
   /// The coordinates of the zone that is being read.

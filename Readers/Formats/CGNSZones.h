@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file CGNSZones.h
-/// Structured zones of CGNS files (ADF or HDF5), with their 1-to-1 interfaces and boundary conditions.
+/// Zones of CGNS files (ADF or HDF5), with their 1-to-1 interfaces and boundary conditions.
 #pragma once
 
 #include "Base/Types.h"
@@ -14,10 +14,31 @@
 namespace bsv
 {
 
+/// An unstructured zone, whose cells are hexahedra.
+struct HexZone
+{
+  std::string name;
+  /// Triples x y z; empty if another piece has them, as all the lists below.
+  std::vector<double> points;
+  /// Eight points per cell, from 0, in the order of CGNS and VTK. Of elements of higher order the corners.
+  std::vector<Index> hexahedra;
+  struct Boundary
+  {
+    std::string name;
+    std::string type;
+    /// Four points per quadrilateral.
+    std::vector<Index> quadrilaterals;
+  };
+  /// One per name: boundary conditions, then the sections of quadrilaterals that belong to none.
+  std::vector<Boundary> boundaries;
+};
+
 struct CGNSZones
 {
   /// One per structured zone, in the order of the file, named like the zone.
   std::vector<GridBlock> blocks;
+  /// The first piece has all of them. They meet where points coincide.
+  std::vector<HexZone> hexZones;
   /// Each contact once, although both zones declare it. Contacts marked periodic are boundaries named `Periodic`.
   std::vector<Interface> interfaces;
   /// Boundary conditions on block faces. Point lists are cut into rectangles, one patch each; conditions on single
@@ -44,8 +65,8 @@ bool looksLikeCGNS(const std::string& fileName);
 /// threads: the CGNS library keeps its state in globals; and a damaged file may end the process in it.
 /// @param memory where the points go
 /// @param step of cgnsTimes(), whose coordinates are read
-/// @throws Error naming file, zone and value: surface or unstructured zones, no or wrong coordinates, contacts whose
-/// transforms or ranges do not fit, damaged files; Aborted.
+/// @throws Error naming file, zone and value: surfaces, elements that are no hexahedra, no or wrong coordinates,
+/// contacts whose transforms or ranges do not fit, damaged files; Aborted.
 CGNSZones loadCGNS(const std::string& fileName, const Execution& run = {}, const Piece& piece = {},
   const BlockMemory& memory = {}, int step = 0);
 

@@ -98,6 +98,16 @@ void exchangeZones(Archive& archive, Zones& zones, Offsets& offsets)
     archive(block.piece);
   });
   archive(offsets);
+  exchangeList(archive, zones.hexZones, [&](auto& zone) {
+    archive(zone.name);
+    archive(zone.points);
+    archive(zone.hexahedra);
+    exchangeList(archive, zone.boundaries, [&](auto& boundary) {
+      archive(boundary.name);
+      archive(boundary.type);
+      archive(boundary.quadrilaterals);
+    });
+  });
   archive(zones.interfaces);
   archive(zones.boundaries);
   archive(zones.boundaryNames);

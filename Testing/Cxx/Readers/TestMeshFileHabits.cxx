@@ -768,17 +768,188 @@ TEST(MeshFileHabits, LengthUnitsThatDifferAreNamed)
   }
 }
 
-TEST(MeshFileHabits, UnstructuredZonesAreSentToTheirReader)
+namespace
+{
+
+/// Ways in which an unstructured zone says which of its faces are the boundary "skin".
+enum class HexZoneWay
+{
+  ElementsAtFaceCentre,
+  ElementRange,
+  ElementList,
+  Points,
+  PointsWithoutQuadrilaterals,
+  Family,
+  SectionAlone,
+  MixedSection,
+};
+
+/// The blocks as unstructured zones, whose faces k = 0 are the boundary "skin", a wall.
+void writeHexZones(const MeshCase& mesh, const std::string& fileName, HexZoneWay way, int fileType)
+{
+  int file = 0;
+  int base = 0;
+  require(cg_set_file_type(fileType));
+  require(cg_open(fileName.c_str(), CG_MODE_WRITE, &file));
+  require(cg_base_write(file, "Base", 3, 3, &base));
+  if (way == HexZoneWay::Family)
+  {
+    family(file, "skin", CGNS_ENUMV(BCWall));
+  }
+  for (const MeshCase::Block& block : mesh.blocks)
+  {
+    const Ijk& n = block.counts;
+    const auto point = [&](int i, int j, int k) { return static_cast<cgsize_t>(1 + i + n[0] * (j + n[1] * k)); };
+    std::vector<cgsize_t> cells;
+    std::vector<cgsize_t> quads;
+    std::vector<cgsize_t> mixed;
+    for (int j = 0; j + 1 < n[1]; ++j)
+    {
+      for (int i = 0; i + 1 < n[0]; ++i)
+      {
+        const std::vector<cgsize_t> quad{ point(i, j, 0), point(i, j + 1, 0), point(i + 1, j + 1, 0),
+          point(i + 1, j, 0) };
+        quads.insert(quads.end(), quad.begin(), quad.end());
+        for (int k = 0; k + 1 < n[2]; ++k)
+        {
+          std::vector<cgsize_t> cell;
+          for (const int up : { k, k + 1 })
+          {
+            cell.insert(
+              cell.end(), { point(i, j, up), point(i + 1, j, up), point(i + 1, j + 1, up), point(i, j + 1, up) });
+          }
+          cells.insert(cells.end(), cell.begin(), cell.end());
+          mixed.push_back(CGNS_ENUMV(HEXA_8));
+          mixed.insert(mixed.end(), cell.begin(), cell.end());
+        }
+      }
+    }
+    const auto cellCount = static_cast<cgsize_t>(cells.size() / 8);
+    const auto quadCount = static_cast<cgsize_t>(quads.size() / 4);
+    const cgsize_t size[3] = { static_cast<cgsize_t>(block.points.size()), cellCount, 0 };
+    int zone = 0;
+    int id = 0;
+    const std::string name = "zone " + std::to_string(&block - mesh.blocks.data());
+    require(cg_zone_write(file, base, name.c_str(), size, CGNS_ENUMV(Unstructured), &zone));
+    const char* axes[3] = { "CoordinateX", "CoordinateY", "CoordinateZ" };
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      std::vector<double> values;
+      for (const bsv::Vec3& x : block.points)
+      {
+        values.push_back(x[axis]);
+      }
+      require(cg_coord_write(file, base, zone, CGNS_ENUMV(RealDouble), axes[axis], values.data(), &id));
+    }
+    if (way == HexZoneWay::MixedSection)
+    {
+      std::vector<cgsize_t> offsets{ 0 };
+      for (cgsize_t c = 0; c < cellCount; ++c)
+      {
+        offsets.push_back(offsets.back() + 9);
+      }
+      for (cgsize_t q = 0; q < quadCount; ++q)
+      {
+        mixed.push_back(CGNS_ENUMV(QUAD_4));
+        mixed.insert(mixed.end(), quads.begin() + 4 * q, quads.begin() + 4 * q + 4);
+        offsets.push_back(offsets.back() + 5);
+      }
+      require(cg_poly_section_write(
+        file, base, zone, "all", CGNS_ENUMV(MIXED), 1, cellCount + quadCount, 0, mixed.data(), offsets.data(), &id));
+    }
+    else
+    {
+      require(cg_section_write(file, base, zone, "cells", CGNS_ENUMV(HEXA_8), 1, cellCount, 0, cells.data(), &id));
+      if (way != HexZoneWay::PointsWithoutQuadrilaterals)
+      {
+        require(cg_section_write(file, base, zone, way == HexZoneWay::SectionAlone ? "skin" : "faces",
+          CGNS_ENUMV(QUAD_4), cellCount + 1, cellCount + quadCount, 0, quads.data(), &id));
+      }
+    }
+    if (way == HexZoneWay::SectionAlone)
+    {
+      continue;
+    }
+    std::vector<cgsize_t> numbers{ cellCount + 1, cellCount + quadCount };
+    CGNS_ENUMT(PointSetType_t) set = CGNS_ENUMV(PointRange);
+    if (way == HexZoneWay::ElementRange)
+    {
+      set = CGNS_ENUMV(ElementRange);
+    }
+    if (way == HexZoneWay::ElementList)
+    {
+      set = CGNS_ENUMV(PointList);
+      numbers.clear();
+      for (cgsize_t q = quadCount; q > 0; --q)
+      {
+        numbers.push_back(cellCount + q);
+      }
+    }
+    const bool points = way == HexZoneWay::Points || way == HexZoneWay::PointsWithoutQuadrilaterals;
+    if (points)
+    {
+      numbers = { 1, point(n[0] - 1, n[1] - 1, 0) };
+    }
+    const bool named = way == HexZoneWay::Family;
+    require(
+      cg_boco_write(file, base, zone, named ? "BC_1" : "skin", named ? CGNS_ENUMV(FamilySpecified) : CGNS_ENUMV(BCWall),
+        set, static_cast<cgsize_t>(numbers.size()), numbers.data(), &id));
+    if (!points && way != HexZoneWay::ElementRange)
+    {
+      require(cg_boco_gridlocation_write(file, base, zone, id, CGNS_ENUMV(FaceCenter)));
+    }
+    if (named)
+    {
+      require(cg_goto(file, base, "Zone_t", zone, "ZoneBC_t", 1, "BC_t", id, "end"));
+      require(cg_famname_write("skin"));
+    }
+  }
+  require(cg_close(file));
+}
+
+} // namespace
+
+TEST(MeshFileHabits, UnstructuredZonesOfHexahedra)
 {
   TemporaryFolder folder;
-  writeChanged(twoBlocks(), folder / "mesh.cgns", [](int file) {
-    const cgsize_t size[3] = { 8, 1, 0 };
-    int zone = 0;
-    require(cg_zone_write(file, 1, "hexes", size, CGNS_ENUMV(Unstructured), &zone));
-  });
-  const std::string text = refusal(folder / "mesh.cgns");
-  EXPECT_NE(text.find("zone 'hexes'"), std::string::npos) << text;
-  EXPECT_NE(text.find("Hex Mesh To Blocks"), std::string::npos) << text;
+  const MeshCase mesh = twoBlocks();
+  for (int way = 0; way <= int(HexZoneWay::MixedSection); ++way)
+  {
+    SCOPED_TRACE("way " + std::to_string(way));
+    const int fileType = way % 2 == 0 ? CG_FILE_HDF5 : CG_FILE_ADF;
+    const std::string fileName = folder / (std::to_string(way) + "-" + std::to_string(fileType) + ".cgns");
+    writeHexZones(mesh, fileName, HexZoneWay(way), fileType);
+    Reading reading;
+    read(reading, fileName);
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    EXPECT_TRUE(reading.warnings.empty()) << reading.warnings[0];
+    std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    const BlockMesh found = bsv::blockMesh(reading.output, grids);
+    ASSERT_EQ(found.blocks.size(), 1u);
+    EXPECT_EQ(found.blocks[0].points.size(), 8 * 4 * 3);
+    ASSERT_EQ(found.boundaryNames, std::vector<std::string>{ "skin" });
+    // A section alone has no type, but a name.
+    const bool typed = way != int(HexZoneWay::SectionAlone);
+    EXPECT_EQ(found.boundaryTypes,
+      typed ? std::vector<std::string>{ "BCWall" } : std::vector<std::string>{ "BCTypeUserDefined" });
+    const auto quads = boundaries(found);
+    ASSERT_EQ(quads.size(), 1u);
+    EXPECT_EQ(quads.begin()->second.size(), 7u * 3);
+  }
+  // Other cells are refused with their place.
+  const std::string fileName = folder / "tetra.cgns";
+  writeHexZones(mesh, fileName, HexZoneWay::SectionAlone, CG_FILE_HDF5);
+  int file = 0;
+  int id = 0;
+  const cgsize_t tetrahedron[4] = { 1, 2, 3, 40 };
+  require(cg_open(fileName.c_str(), CG_MODE_MODIFY, &file));
+  require(cg_section_write(file, 1, 2, "rest", CGNS_ENUMV(TETRA_4), 99, 99, 0, tetrahedron, &id));
+  require(cg_close(file));
+  const std::string text = refusal(fileName);
+  for (const char* word : { "zone 'zone 1'", "section 'rest', element 99, is a TETRA_4", "only hexahedra" })
+  {
+    EXPECT_NE(text.find(word), std::string::npos) << text;
+  }
 }
 
 //----------------------------------------------------------------------------------------------------------------------
