@@ -16,11 +16,28 @@ def progress_bar(fraction):
 
 
 def conversion_arguments(parser):
-    parser.add_argument("mesh", help="PLOT3D or CGNS file")
+    parser.add_argument("mesh", help="PLOT3D, CGNS, VTK or Exodus file: blocks, or unstructured hexahedra")
     parser.add_argument("--body-file", help="IGES, STEP, BREP or .g2 file of the body")
     parser.add_argument("--body", help="names of the boundaries that form the body, with * and ?, separated by commas")
     parser.add_argument("--body-faces", help="block and face numbers of the body, for meshes without names: 0,4,1,4")
     parser.add_argument("--crease-angle", type=float, help="surface edges that turn by more are creases; degrees")
+    parser.add_argument("--set", action="append", default=[], metavar="PROPERTY=VALUE",
+                        help="any other property of the conversion, as in Continuity=ExactG1 or WallSpacing=0.5; "
+                             "may be repeated")
+
+
+def value_of(text):
+    """A number, a truth value, a list of such, or the text itself."""
+    if "," in text:
+        return [value_of(part) for part in text.split(",")]
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
 
 
 def properties_of(arguments):
@@ -34,12 +51,20 @@ def properties_of(arguments):
         properties["BodyFaces"] = list(zip(numbers[::2], numbers[1::2]))
     if arguments.crease_angle is not None:
         properties.update(UseCreaseAngle=True, CreaseAngle=arguments.crease_angle)
+    for setting in arguments.set:
+        name, equals, value = setting.partition("=")
+        if not equals:
+            raise bsv.Error(f"--set {setting}: PROPERTY=VALUE is wanted")
+        properties[name] = value_of(value)
     return properties
 
 
 def converted(arguments):
-    volume = bsv.convert(
-        arguments.mesh, body=arguments.body_file, progress=progress_bar, **properties_of(arguments))
+    try:
+        volume = bsv.convert(
+            arguments.mesh, body=arguments.body_file, progress=progress_bar, **properties_of(arguments))
+    except TypeError as error:
+        raise bsv.Error(str(error)) from None
     for warning in volume.warnings:
         print("warning:", warning, file=sys.stderr)
     return volume
@@ -56,8 +81,8 @@ def convert(arguments):
 
 def check(arguments):
     """Exit status 0: all spans proven valid; 1: some are invalid; 2: some are undecided."""
-    is_mesh = bsv.vtkHexBlockMeshReader.CanReadFile(arguments.mesh)
-    volume = converted(arguments) if is_mesh else bsv.read(arguments.mesh)
+    is_volume = any(getattr(bsv, name)().CanReadFile(arguments.mesh) for name in pipeline.VOLUME_READERS)
+    volume = bsv.read(arguments.mesh) if is_volume else converted(arguments)
     quality = volume.quality()
     print(quality["report"])
     return 1 if quality["invalid"] else 2 if quality["undecided"] else 0

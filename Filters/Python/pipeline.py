@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the readers, filters and writers of this package from plain Python: values in, values out, errors as exceptions."""
+import difflib
+import importlib
 import os
+import re
 
+from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkTrivialProducer
 
 from . import BSplineVolumeFilters, BSplineVolumeReaders, BSplineVolumeWriters
@@ -11,26 +15,76 @@ class Error(RuntimeError):
     """What a reader, filter or writer reports, in its own words."""
 
 
+def words_of(algorithm, name):
+    """The words of an enumerated property and their numbers: {"ExactG1": 1, ..}; empty for other properties."""
+    kind = type(algorithm)
+    enumeration = next((getattr(kind, name + "Type") for kind in kind.__mro__ if hasattr(kind, name + "Type")), None)
+    if enumeration is None:
+        return {}
+    # SPAN_CHECK and CHECK_ALL of CheckSpansType: the name of the property is no part of the words.
+    members = {word: int(value) for word, value in vars(kind).items() if isinstance(value, enumeration)}
+    first = os.path.commonprefix(list(members)).rpartition("_")[0] if len(members) > 1 else ""
+    return {"".join(part if part in ("ACC", "PCCM", "G1") else part.capitalize()
+                    for part in word[len(first):].strip("_").split("_")): value for word, value in members.items()}
+
+
+def property_names(algorithm):
+    """What set_properties() can set, apart from properties of every VTK algorithm."""
+    common = set(dir(vtkAlgorithm)) | {"SetFileName"}
+    own = [method for method in dir(algorithm) if method not in common]
+    names = {method[3:] for method in own if re.fullmatch(r"Set[A-Z]\w*", method) and not re.search(
+        r"Connection|InputData|To[A-Z]\w*$|ByNumber$", method)}
+    lists = {method[5:] for method in own if method.startswith("Clear")}
+    return sorted(names | lists)
+
+
 def set_properties(algorithm, properties):
-    """Sets `Name=value` by SetName(value). A list goes to ClearNames() and AddName(item), a word to SetNameToWord()."""
+    """Sets `Name=value` by SetName(value). A list goes to ClearNames() and AddName(item); an enumerated
+    property takes words_of() it, too.
+
+    @throws TypeError for a property that does not exist, with the names alike
+    @throws Error for a word or a value that the property does not take
+    """
+    def unknown(name):
+        alike = difflib.get_close_matches(name, property_names(algorithm), 3)
+        return TypeError(f"{algorithm.GetClassName()[3:]} has no property {name}" +
+                         (f"; is it {' or '.join(alike)}?" if alike else ""))
+
     for name, value in properties.items():
         if isinstance(value, (list, tuple)) and not hasattr(algorithm, "Set" + name):
             singular = name[:-3] + "y" if name.endswith("ies") else name[:-1] if name.endswith("s") else name
             adder = getattr(algorithm, "Add" + singular, None)
             clearer = getattr(algorithm, "Clear" + name, None) or getattr(algorithm, "Clear" + name + "s", None)
             if adder is None or clearer is None:
-                raise TypeError(f"{algorithm.GetClassName()} has no property {name}")
+                raise unknown(name)
             clearer()
             for item in value:
                 adder(*item) if isinstance(item, (list, tuple)) else adder(item)
             continue
         setter = getattr(algorithm, "Set" + name, None)
         if setter is None:
-            raise TypeError(f"{algorithm.GetClassName()} has no property {name}")
-        if isinstance(value, str) and hasattr(algorithm, f"Set{name}To{value}"):
-            getattr(algorithm, f"Set{name}To{value}")()
-        else:
-            setter(value)
+            raise unknown(name)
+        words = words_of(algorithm, name)
+        if isinstance(value, str) and words:
+            plain = re.sub(r"\W|_", "", value).lower()
+            if plain not in map(str.lower, words):
+                raise Error(f"{name} is {' or '.join(words)}, not {value}")
+            value = next(number for word, number in words.items() if word.lower() == plain)
+        try:
+            setter(*value) if isinstance(value, (list, tuple)) else setter(value)
+        except TypeError as error:
+            raise Error(f"{name} does not take {value!r}: {error}") from None
+        # Setters cut what is out of range to it.
+        taken = getattr(algorithm, "Get" + name, lambda: value)()
+        if isinstance(value, (int, float)) and isinstance(taken, (int, float)) and taken != value:
+            ends = [getattr(algorithm, f"Get{name}{end}Value", lambda: None)() for end in ("Min", "Max")]
+            raise Error(f"{name} does not take {value}" +
+                        (f"; from {ends[0]:g} to {ends[1]:g}" if None not in ends else f"; it would become {taken}"))
+
+
+def message(text):
+    """What VTK's event says, without the class and the address of who says it."""
+    return text.strip().split("): ", 1)[-1].strip()
 
 
 def run(algorithm, progress=None):
@@ -39,16 +93,19 @@ def run(algorithm, progress=None):
     @param progress called with the fraction done; returns False to stop
     @throws Error with the first message
     """
-    errors, warnings, observed = [], [], []
+    errors, warnings, of_pipeline, observed = [], [], [], []
+
+    def observe(one, event, texts):
+        def note(_object, _event, text):
+            texts.append(message(text))
+        note.CallDataType = "string0"
+        observed.append((one, one.AddObserver(event, note)))
 
     def listen(one):
-        for event, texts in (("ErrorEvent", errors), ("WarningEvent", warnings)):
-            def note(_object, _event, text, texts=texts):
-                texts.append(text.strip().split("): ", 1)[-1].strip())
-            note.CallDataType = "string0"
-            observed.append((one, one.AddObserver(event, note)))
-        silent = one.GetExecutive()
-        observed.append((silent, silent.AddObserver("ErrorEvent", lambda *_: None)))
+        observe(one, "ErrorEvent", errors)
+        observe(one, "WarningEvent", warnings)
+        # Only that an algorithm failed, which has said why itself; or that it was not even asked.
+        observe(one.GetExecutive(), "ErrorEvent", of_pipeline)
         for port in range(one.GetNumberOfInputPorts()):
             for connection in range(one.GetNumberOfInputConnections(port)):
                 listen(one.GetInputConnection(port, connection).GetProducer())
@@ -64,9 +121,49 @@ def run(algorithm, progress=None):
     finally:
         for one, tag in observed:
             one.RemoveObserver(tag)
-    if errors:
-        raise Error(errors[0])
+    if errors or of_pipeline:
+        raise Error(errors[0] if errors else of_pipeline[0].splitlines()[0])
     return warnings
+
+
+#: VTK's own readers by the ending of files: module and class.
+VTK_READERS = {
+    **dict.fromkeys([".vts", ".vtu", ".vtm", ".vtmb", ".vtpc", ".vtpd"], ("vtkIOXML", "vtkXMLGenericDataObjectReader")),
+    ".pvtu": ("vtkIOXML", "vtkXMLPUnstructuredGridReader"),
+    ".pvts": ("vtkIOXML", "vtkXMLPStructuredGridReader"),
+    ".vtk": ("vtkIOLegacy", "vtkGenericDataObjectReader"),
+    **dict.fromkeys([".e", ".ex2", ".exo", ".exii", ".g"], ("vtkIOExodus", "vtkExodusIIReader")),
+}
+
+
+def vtk_reader(path):
+    """VTK's reader of a mesh file, after it has read, or None.
+
+    @throws Error with the first message. These readers hand on neither the events of the readers inside them nor a status.
+    """
+    module, name = VTK_READERS.get(os.path.splitext(path)[1].lower(), (None, None))
+    if module is None:
+        return None
+    try:
+        reader = getattr(importlib.import_module("vtkmodules." + module), name)()
+    except ImportError:
+        raise Error(f"{path}: this VTK has no {module}, which reads such files") from None
+    reader.SetFileName(path)
+    errors = []
+
+    def note(_object, _event, text):
+        errors.append(message(text))
+    note.CallDataType = "string0"
+    window, before = vtkStringOutputWindow(), vtkOutputWindow.GetInstance()
+    window.AddObserver("ErrorEvent", note)
+    vtkOutputWindow.SetInstance(window)
+    try:
+        reader.Update()
+    finally:
+        vtkOutputWindow.SetInstance(before)
+    if errors:
+        raise Error(f"{path}: {errors[0]}")
+    return reader
 
 
 def source_of(data, reader_classes=None):
@@ -84,7 +181,11 @@ def source_of(data, reader_classes=None):
             if reader.CanReadFile(path):
                 reader.SetFileName(path)
                 return reader
-        raise Error(path + " is no file that " + " or ".join(name[3:] for name in reader_classes) + " can read")
+        reader = vtk_reader(path) if reader_classes is MESH_READERS else None
+        if reader is None:
+            raise Error(path + " is no file that " + " or ".join(name[3:] for name in reader_classes) + " can read" +
+                        (", and none of VTK's (" + " ".join(VTK_READERS) + ")" if reader_classes is MESH_READERS else ""))
+        return reader
     producer = vtkTrivialProducer()
     producer.SetOutput(data)
     return producer

@@ -35,15 +35,15 @@ PICTURES = (("The volumes: wall, creases, extraordinary curves", "volume.png"),
             ("Smoothness: interfaces by the kink of their layers", "smoothness.png"),
             ("Distance of the wall from the body", "deviation.png"))
 
-# Runs in ParaView's Python: mesh file, body file or "-", folder, plugin, properties.
+# Runs in ParaView's Python: mesh file, 1 if one of our readers reads it, body file or "-", folder, plugin, properties.
 DRAW = """
 import json
 import os
 import sys
 from paraview import simple
-mesh_file, body_file, folder, plugin, properties = sys.argv[1:]
+mesh_file, own, body_file, folder, plugin, properties = sys.argv[1:]
 simple.LoadPlugin(plugin, remote=False, ns=simple.__dict__)
-mesh = simple.HexBlockMeshReader(FileName=mesh_file)
+mesh = simple.HexBlockMeshReader(FileName=mesh_file) if own == "1" else simple.OpenDataFile(mesh_file)
 volume = simple.CatmullClarkToBSplineVolume(Input=mesh)
 if body_file != "-":
     volume.Body = simple.NURBSSurfaceReader(FileName=body_file)
@@ -88,7 +88,8 @@ def _pictures(folder, mesh, body, properties):
     script = os.path.join(folder, "draw.py")
     with open(script, "w") as file:
         file.write(DRAW)
-    command = [program, script, os.path.abspath(mesh), os.path.abspath(body) if body else "-", folder, plugin,
+    own = any(getattr(bsv, name)().CanReadFile(mesh) for name in bsv.pipeline.MESH_READERS)
+    command = [program, script, os.path.abspath(mesh), str(int(own)), os.path.abspath(body) if body else "-", folder, plugin,
                json.dumps(properties)]
     if not os.environ.get("DISPLAY"):
         if shutil.which("xvfb-run") is None:

@@ -225,11 +225,14 @@ class Volume:
 def convert(mesh, body=None, progress=None, **properties):
     """Converts a block-structured hexahedral mesh to a Volume.
 
-    @param mesh path of a PLOT3D or CGNS file, a data object of VTK, or an algorithm that gives one
+    @param mesh path of a PLOT3D, CGNS, VTK (.vts .vtu .vtm .vtpc .vtk ..) or Exodus file, a data object of VTK, or an
+        algorithm that gives one; blocks, or unstructured hexahedra
     @param body path of an IGES, STEP, BREP or .g2 file, a data object, or an algorithm; None for no body
     @param progress called with the fraction done; returns False to stop
-    @param properties of CatmullClark To BSpline Volume, for instance UseCreaseAngle=True, BodyBoundaries=["wing*"]
-    @throws bsplinevolume.Error with the message of the reader or filter
+    @param properties of CatmullClark To BSpline Volume, for instance UseCreaseAngle=True, BodyBoundaries=["wing*"],
+        Continuity="ExactG1"
+    @throws bsplinevolume.Error with the message of the reader or filter, or for a value that a property does not take
+    @throws TypeError for a property that does not exist
     """
     conversion = pipeline.filter_named("vtkCatmullClarkToBSplineVolume")
     pipeline.set_properties(conversion, properties)
@@ -237,7 +240,10 @@ def convert(mesh, body=None, progress=None, **properties):
     if body is not None:
         pipeline.connect(conversion.SetBodyConnection, body, pipeline.BODY_READERS)
     warnings = pipeline.run(conversion, progress)
-    return Volume(conversion.GetOutputDataObject(0), conversion.GetReport(), warnings)
+    volume = Volume(conversion.GetOutputDataObject(0), conversion.GetReport(), warnings)
+    if not volume.blocks:
+        raise pipeline.Error("the mesh has no blocks")
+    return volume
 
 
 def read(path):

@@ -9,6 +9,10 @@ import tempfile
 import bsplinevolume as bsv
 import numpy as np
 from bsplinevolume.__main__ import main as command
+from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkUnstructuredGrid
+from vtkmodules.vtkFiltersCore import vtkAppendFilter
+from vtkmodules.vtkIOLegacy import vtkUnstructuredGridWriter
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 RANDOM = np.random.default_rng(7)
 
@@ -115,9 +119,69 @@ def test_report():
     assert len(pictures) == 3 and all(len(picture) > 5000 for picture in pictures), [len(p) for p in pictures]
 
 
+def test_meshes_of_vtk():
+    """The same volume from blocks and from their cells as one unstructured mesh, through VTK's files."""
+    volume = bsv.convert(wing())
+    data = volume.sampled(0)
+    with tempfile.TemporaryDirectory() as folder:
+        grids = []
+        whole = vtkAppendFilter()
+        whole.MergePointsOn()
+        for n in range(data.GetNumberOfPartitionedDataSets()):
+            grids.append(data.GetPartition(n, 0))
+            whole.AddInputData(grids[-1])
+        whole.Update()
+        for ending, writer in ((".vtu", vtkXMLUnstructuredGridWriter()), (".vtk", vtkUnstructuredGridWriter())):
+            path = os.path.join(folder, "cells" + ending)
+            writer.SetFileName(path)
+            writer.SetInputData(whole.GetOutput())
+            if ending == ".vtk":
+                writer.SetFileTypeToBinary()
+            writer.Write()
+            from_cells = bsv.convert(path)
+            sizes = [sum(int(np.prod([len(set(k)) - 1 for k in block.knots])) for block in v.blocks)
+                     for v in (from_cells, bsv.convert(data))]
+            assert sizes[0] == sizes[1], sizes
+            quality = from_cells.quality()
+            assert quality["invalid"] == 0
+        broken = os.path.join(folder, "broken.vtu")
+        with open(path.replace(".vtk", ".vtu"), "rb") as file, open(broken, "wb") as copy:
+            copy.write(file.read()[:2000])
+        text = io.StringIO()
+        with contextlib.redirect_stderr(text):
+            assert command(["check", broken]) == 3
+        assert text.getvalue().startswith("error: ") and len(text.getvalue()) > 10
+
+
+def test_settings_of_the_command():
+    with tempfile.TemporaryDirectory() as folder:
+        mesh = os.path.join(folder, "wing.xyz")
+        bsv.convert(wing()).write(mesh, level=0)
+
+        def run(*words):
+            text = io.StringIO()
+            with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
+                status = command(["convert", mesh] + [word for setting in words for word in ("--set", setting)] +
+                                 ["--output", os.path.join(folder, "out.qfmb")])
+            return status, text.getvalue()
+
+        status, _ = run("Continuity=ExactG1", "WallSpacing=0.5")
+        assert status == 0
+        expected = bsv.convert(mesh, CheckJoins=True, Continuity=1, WallSpacing=0.5)
+        again = bsv.read(os.path.join(folder, "out.qfmb"))
+        assert all((a.points == b.points).all() for a, b in zip(expected.blocks, again.blocks))
+        for setting, words in (("Continuity=G2", "Continuity is SingleKnots or ExactG1, not G2"),
+                               ("Continuity=7", "Continuity does not take 7"), ("Continity=ExactG1", "is it Continuity?"),
+                               ("WallSpacing=wide", "WallSpacing does not take 'wide'"), ("WallSpacing", "PROPERTY=VALUE")):
+            status, text = run(setting)
+            assert status == 3 and words in text, (setting, text)
+
+
 def test_errors():
     for call, words in ((lambda: bsv.convert("missing.xyz"), "missing.xyz does not exist"),
                         (lambda: bsv.convert(wing(), WallSpacing=2.0), "2"),
+                        (lambda: bsv.convert(vtkUnstructuredGrid()), "the mesh has no blocks"),
+                        (lambda: bsv.convert(vtkPolyData()), "vtkPolyData"),
                         (lambda: bsv.read(__file__), "can read")):
         try:
             call()
