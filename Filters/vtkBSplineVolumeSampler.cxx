@@ -244,6 +244,7 @@ int vtkBSplineVolumeSampler::RequestData(
 
     std::vector<bsv::Ijk> counts;
     double total = 0.0;
+    bsv::Index allPoints = 0, allCells = 0;
     for (std::size_t b = 0; b < blocks; ++b)
     {
       counts.push_back(bsv::sampleCounts(levels[b], input.label(b)));
@@ -253,6 +254,13 @@ int vtkBSplineVolumeSampler::RequestData(
         throw bsv::Error(input.label(b) + ": Level " + std::to_string(this->Level) + " has too many samples");
       }
       total += input.isHere(b) ? points : 0.0;
+      allPoints += bsv::Index(counts[b][0]) * counts[b][1] * counts[b][2];
+      allCells += bsv::Index(counts[b][0] - 1) * (counts[b][1] - 1) * (counts[b][2] - 1);
+    }
+    if (!adaptive)
+    {
+      this->Report = "Level " + std::to_string(this->Level) + ": " + std::to_string(allCells) + " cells in " +
+        std::to_string(blocks) + " blocks, " + std::to_string(allPoints) + " points\n";
     }
     const int arrays = this->ComputeDerivatives ? 4 : 1;
     bsv::requireMemory(total * arrays * 3 * sizeof(double), "Level " + std::to_string(this->Level), "the samples");

@@ -445,7 +445,7 @@ void vtkBlockPartsRepresentation::UpdateLegend()
     double black[3] = { 0.0, 0.0, 0.0 };
     internal.Legend->SetEntry(n, symbol(color), text.c_str(), black);
   }
-  internal.LegendSize = { 26.0 + 8.5 * static_cast<double>(width), 20.0 * count };
+  internal.LegendSize = { 26.0 + 8.5 * static_cast<double>(width), 8.0 + 20.0 * count };
   this->PlaceLegend();
   this->UpdateVisibility();
 }

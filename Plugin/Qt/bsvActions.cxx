@@ -3,6 +3,7 @@
 
 #include "bsvFirstPicture.h"
 #include "bsvFlight.h"
+#include "bsvPickedFaces.h"
 
 #include "pqActiveObjects.h"
 #include "pqApplicationCore.h"
@@ -147,6 +148,9 @@ bsvActions::bsvActions(QObject* parent)
     &bsvActions::controlPoints);
   add("Compare Volumes", "bsvCompare", "What changed between the two volumes that are selected, or the only two",
     &bsvActions::compare);
+  add("Selected Faces Are Body", "bsvPickFaces",
+    "Block faces of which cells are selected in the view become Body Faces of the conversion of their mesh",
+    &bsvActions::pickFaces);
 }
 
 //------------------------------------------------------------------------------
@@ -302,4 +306,61 @@ void bsvActions::compare()
     pqActiveObjects::instance().setActiveSource(filter);
     applyPanel();
   }
+}
+
+//------------------------------------------------------------------------------
+void bsvActions::pickFaces()
+{
+  pqServer* server = pqActiveObjects::instance().activeServer();
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  pqOutputPort* mesh = nullptr;
+  for (pqPipelineSource* source : model->findItems<pqPipelineSource*>(server))
+  {
+    for (pqOutputPort* port : source->getOutputPorts())
+    {
+      mesh = port->getSelectionInput() ? port : mesh;
+    }
+  }
+  if (!mesh || isVolume(mesh))
+  {
+    tell("Select cells of a mesh in the view: Select Cells On, and drag a rectangle.");
+    return;
+  }
+  const bsv::PickedFaces picked = bsv::pickedFaces(mesh);
+  if (!picked.problem.empty())
+  {
+    tell(QString::fromStdString(picked.problem));
+    return;
+  }
+  pqPipelineSource* filter = nullptr;
+  for (pqPipelineSource* consumer : mesh->getConsumers())
+  {
+    filter = std::strcmp(consumer->getProxy()->GetXMLName(), Conversion) == 0 ? consumer : filter;
+  }
+  if (!filter)
+  {
+    QMap<QString, QList<pqOutputPort*>> inputs;
+    inputs["Input"] << mesh;
+    filter = pqApplicationCore::instance()->getObjectBuilder()->createFilter("filters", Conversion, inputs, server);
+  }
+  if (!filter)
+  {
+    return;
+  }
+  std::vector<int> numbers;
+  QString text;
+  for (const auto& [block, face] : picked.faces)
+  {
+    numbers.push_back(block);
+    numbers.push_back(face);
+    text += QString("\nblock %1, face %2").arg(block).arg(face);
+  }
+  vtkSMPropertyHelper(filter->getProxy(), "BodyFaces").Set(numbers.data(), static_cast<unsigned int>(numbers.size()));
+  filter->getProxy()->UpdateVTKObjects();
+  if (filter->modifiedState() == pqProxy::UNMODIFIED)
+  {
+    filter->setModifiedState(pqProxy::MODIFIED);
+  }
+  pqActiveObjects::instance().setActiveSource(filter);
+  tell("Body Faces of " + filter->getSMName() + ", from the next Apply on:" + text);
 }

@@ -11,6 +11,8 @@
  * - Before And After: the mesh and the volume of the active conversion side by side with linked cameras, both with
  *   their nets.
  * - Control Points By Rule: the control points of the active conversion, coloured by how each was made.
+ * - Selected Faces Are Body: block faces of which cells are selected in the view become Body Faces of the conversion of
+ *   their mesh, which is made if there is none.
  * - Compare Volumes: the difference of the two volumes that are selected, or of the only two, applied at once.
  */
 class bsvActions : public QActionGroup
@@ -25,6 +27,7 @@ private Q_SLOTS:
   void beforeAndAfter();
   void controlPoints();
   void compare();
+  void pickFaces();
 };
 
 #endif

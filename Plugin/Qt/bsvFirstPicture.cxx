@@ -91,12 +91,13 @@ void lookFromTheSide(pqRenderView* view, pqDataRepresentation* display)
     }
   }
   const int up = axis == 2 ? 1 : 2;
-  double look[3] = { 1.0, 1.0, 1.0 }, upwards[3] = { 0.0, 0.0, 0.0 };
+  // Not along the diagonal of two axes, where edges that cross would seem one.
+  double look[3] = { 1.0, 1.3, 1.0 }, upwards[3] = { 0.0, 0.0, 0.0 };
   upwards[up] = 1.0;
   look[up] = -0.75;
   if (axis >= 0)
   {
-    look[axis] = -1.2 * side;
+    look[axis] = -1.3 * side;
   }
   auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getProxy());
   proxy->ResetActiveCameraToDirection(look[0], look[1], look[2], upwards[0], upwards[1], upwards[2]);

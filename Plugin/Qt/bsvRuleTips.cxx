@@ -32,6 +32,19 @@ bool bsvRuleTips::eventFilter(QObject* watched, QEvent* event)
     {
       QString text = label->text();
       text.insert(found.capturedEnd(1), QString(" (%1)").arg(QString::fromStdString(names[rule])));
+      static const QRegularExpression id("Id: (\\d++)");
+      static const QRegularExpression size("BlockDimensions: \\((\\d+), (\\d+), ");
+      const QRegularExpressionMatch point = id.match(text), block = size.match(text);
+      if (point.hasMatch() && block.hasMatch())
+      {
+        const qlonglong n = point.captured(1).toLongLong();
+        const qlonglong ni = block.captured(1).toLongLong(), nj = block.captured(2).toLongLong();
+        if (ni > 0 && nj > 0)
+        {
+          text.insert(
+            point.capturedEnd(1), QString(" (i %1, j %2, k %3)").arg(n % ni).arg(n / ni % nj).arg(n / (ni * nj)));
+        }
+      }
       label->setText(text);
       label->resize(label->sizeHint());
     }

@@ -54,12 +54,18 @@ def main(plugin, *resolutions):
         points = mesh.GetDataInformation(0).GetNumberOfPoints()
         pictures = [("mesh as Surface", reference), ("mesh", measured(mesh)), ("volume", measured(volume))]
         if resolution <= 20:
-            for name in ("HexBlockTopology", "BSplineVolumeQuality", "BSplineVolumeSmoothness",
-                         "BSplineVolumeSampler", "BSplineVolumeToBezierCells"):
-                of_mesh = name == "HexBlockTopology"
-                source = getattr(simple, name)(Input=mesh if of_mesh else volume)
-                pictures.append((name, measured(source, 4 if name == "BSplineVolumeSmoothness" else 0)))
+            body = simple.OutputPort(mesh, 1)
+            other = simple.CatmullClarkToBSplineVolume(Input=mesh, CheckJoins=0, Twist="Parallelogram")
+            for name, inputs, port in (
+                    ("HexBlockTopology", {"Input": mesh}, 0), ("WallSpacing", {"Input": mesh}, 1),
+                    ("BSplineVolumeQuality", {"Input": volume}, 0), ("BSplineVolumeSmoothness", {"Input": volume}, 4),
+                    ("BodyDeviation", {"Input": volume, "Body": body}, 0),
+                    ("BSplineVolumeDifference", {"Input": other, "Before": volume}, 0),
+                    ("BSplineVolumeSampler", {"Input": volume}, 0), ("BSplineVolumeToBezierCells", {"Input": volume}, 0)):
+                source = getattr(simple, name)(**inputs)
+                pictures.append((name, measured(source, port)))
                 simple.Delete(source)
+            simple.Delete(other)
         for name, (first, frame) in pictures:
             print("| %d | %s | %.2f | %.2f | %.3f | %.2f |" % (
                 points, name, first, first / reference[0], frame, frame / reference[1]), flush=True)

@@ -23,14 +23,21 @@ import zlib
 from paraview import servermanager
 import numpy as np
 
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "..", "Examples"))
+
 MENU = "pqClientMainWindow/menubar"
 APPLY = ("pqClientMainWindow/propertiesDock/propertiesPanel/Accept", "activate", "")
 BROWSER = "pqClientMainWindow/pipelineBrowserDock/pipelineBrowser"
+# The window in which panels are taken is taller; of it the dock at the left, above the status bar.
+PANEL_WINDOW = 1500
+PANEL = (405, 900)
+STATUS_BAR = 40
 SETTINGS = """[General]
 GeneralSettings.ShowWelcomeDialog=false
 
 [MainWindow]
-Size=@Size(1600 1000)
+Size=@Size(1600 %d)
 Position=@Point(0 0)
 """
 
@@ -57,11 +64,11 @@ def filtered(name):
     return chosen_filter(name) + [APPLY]
 
 
-def opened(path, readers=1):
-    """Opens a file and applies. @param readers how many readers ask to be chosen; ours comes first"""
+def opened(path, row=None):
+    """Opens a file and applies. @param row of our reader among those that ask to be chosen, or None: none asks"""
     events = menu("menu_File", "actionFileOpen") + [("pqClientMainWindow/FileOpenDialog", "filesSelected", path)]
-    if readers > 1:
-        events += [("pqClientMainWindow/pqSelectReaderDialog/listWidget", "setCurrent", "0.0"),
+    if row is not None:
+        events += [("pqClientMainWindow/pqSelectReaderDialog/listWidget", "setCurrent", "%d.0" % row),
                    ("pqClientMainWindow/pqSelectReaderDialog/okButton", "activate", "")]
     return events + [APPLY]
 
@@ -75,19 +82,22 @@ def own_menu(name):
     return [(MENU, "activate", "BSplineVolume"), ("pqClientMainWindow/BSplineVolume", "activate", name)]
 
 
+def again(place):
+    """Converts the mesh at a place of the Pipeline Browser once more, by another rule."""
+    twist = ("pqClientMainWindow/propertiesDock/propertiesPanel/scrollArea/qt_scrollarea_viewport/"
+             "scrollAreaWidgetContents/PropertiesFrame/ProxyPanel/Twist/ComboBox", "set_string", "Literal")
+    return selected(place) + chosen_filter("CatmullClarkToBSplineVolume") + [twist, APPLY]
+
+
 WING = source("WingFuselageSource")
 # The body is that of the source, the only one there is.
 CONVERTED = WING + filtered("CatmullClarkToBSplineVolume")
-TWO = CONVERTED + selected("/0/0|0") + chosen_filter("CatmullClarkToBSplineVolume") + [
-    ("pqClientMainWindow/propertiesDock/propertiesPanel/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
-     "PropertiesFrame/ProxyPanel/Twist/ComboBox", "set_string", "Literal"), APPLY]
 SHOTS = {
     "wing_mesh": WING,
     "wing_volume": CONVERTED,
     "topology": WING + filtered("HexBlockTopology"),
     "wall_spacing": WING + filtered("WallSpacing"),
     "mirror": WING + filtered("MirrorHexBlocks"),
-    "hex_mesh": WING + menu("menuFilters", "Alphabetical", "MergeBlocks") + [APPLY] + filtered("HexMeshToBlocks"),
     "quality": CONVERTED + filtered("BSplineVolumeQuality"),
     "smoothness": CONVERTED + filtered("BSplineVolumeSmoothness"),
     "sampler": CONVERTED + filtered("BSplineVolumeSampler"),
@@ -95,60 +105,99 @@ SHOTS = {
     "deviation": CONVERTED + filtered("BodyDeviation"),
     "before_and_after": CONVERTED + own_menu("bsvBeforeAndAfter"),
     "control_points": CONVERTED + own_menu("bsvControlPoints"),
-    "difference": TWO + own_menu("bsvCompare"),
+    "difference": CONVERTED + again("/0/0|0") + own_menu("bsvCompare"),
 }
 
 
-PANELS = {
-    "WingFuselageSource": WING,
-    "CatmullClarkToBSplineVolume": CONVERTED,
-    **{name: WING + filtered(name) for name in ("HexBlockTopology", "WallSpacing", "MirrorHexBlocks")},
-    "HexMeshToBlocks": SHOTS["hex_mesh"],
-    **{name: CONVERTED + filtered(name) for name in (
-        "BSplineVolumeQuality", "BSplineVolumeSmoothness", "BodyDeviation", "BSplineVolumeSampler",
-        "BSplineVolumeToBezierCells", "BSplineVolumeIsoparametric")},
-    "BSplineVolumeDifference": TWO + own_menu("bsvCompare"),
-}
 SCROLL_BAR = "pqClientMainWindow/propertiesDock/propertiesPanel/scrollArea/qt_scrollarea_hcontainer"
 
 
-def file_panels(folder):
-    """Panels of readers, whose files are made here."""
+def panels_of(folder, plugin):
+    """Recordings that show the panel of each source, reader and filter, with small files that are made here. An event
+    "snap" takes a picture."""
     import make_body_case
     import make_demo_mesh
-    mesh = make_demo_mesh.write_demo(folder, 4)
-    make_body_case.write_case(folder, 4)
+    sys.path.insert(0, plugin)
     import bsplinevolume
-    volume = bsplinevolume.convert(mesh)
+    from vtkmodules.vtkFiltersCore import vtkAppendFilter
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    def file(name):
+        return os.path.join(folder, name)
+    demo = make_demo_mesh.write_demo(folder, 4)
+    make_body_case.write_case(folder, 4)
+    volume = bsplinevolume.convert(demo)
     for name in ("volume.qfmb", "volume.mesh"):
-        volume.write(os.path.join(folder, name))
-    return {
-        "HexBlockMeshReader": opened(mesh, 2),
-        "NURBSSurfaceReader": opened(os.path.join(folder, "ellipsoid.g2"), 2),
-        "BSplineVolumeReader": opened(os.path.join(folder, "volume.mesh"), 2),
-        "QuadflowReader": opened(os.path.join(folder, "volume.qfmb")),
-    }
+        volume.write(file(name))
+    body = bsplinevolume.vtkNURBSSurfaceReader()
+    body.SetFileName(file("ellipsoid.g2"))
+    writer = bsplinevolume.vtkNURBSSurfaceWriter()
+    writer.SetInputConnection(body.GetOutputPort())
+    writer.SetFileName(file("ellipsoid.igs"))
+    writer.Write()
+    mesh = bsplinevolume.vtkHexBlockMeshReader()
+    mesh.SetFileName(demo)
+    mesh.Update()
+    hexahedra = vtkAppendFilter()
+    hexahedra.MergePointsOn()
+    for block in range(mesh.GetOutput().GetNumberOfPartitionedDataSets()):
+        hexahedra.AddInputData(mesh.GetOutput().GetPartition(block, 0))
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputConnection(hexahedra.GetOutputPort())
+    writer.SetFileName(file("hexahedra.vtu"))
+    writer.Write()
+
+    converted = own_menu("bsvConvertFiles") + [
+        ("pqClientMainWindow/bsvMeshDialog", "filesSelected", file("ellipsoid.xyz")),
+        ("pqClientMainWindow/bsvBodyDialog", "filesSelected", file("ellipsoid.g2")), APPLY]
+    def shown(name):
+        # Events "check" fail if the property has another value.
+        return [(SCROLL_BAR, "check visible", "false"), (name, "snap", "")]
+
+    def filters(place, names):
+        return [event for name in names for event in selected(place) + filtered(name) + shown(name)]
+    return [
+        opened(demo, 0) + shown("HexBlockMeshReader") +
+        filters("/0/0|0", ["HexBlockTopology", "WallSpacing", "MirrorHexBlocks"]),
+        converted + shown("CatmullClarkToBSplineVolume") +
+        filters("/0/2|0", ["BSplineVolumeQuality", "BSplineVolumeSmoothness", "BodyDeviation", "BSplineVolumeSampler",
+                           "BSplineVolumeToBezierCells", "BSplineVolumeIsoparametric"]) +
+        again("/0/0|0") + own_menu("bsvCompare") + shown("BSplineVolumeDifference"),
+        source("WingFuselageSource") + shown("WingFuselageSource") +
+        opened(file("ellipsoid.igs")) + shown("NURBSSurfaceReader") +
+        opened(file("volume.mesh")) + shown("BSplineVolumeReader") +
+        opened(file("volume.qfmb")) + shown("QuadflowReader") +
+        opened(file("hexahedra.vtu")) + filtered("HexMeshToBlocks") + shown("HexMeshToBlocks"),
+    ]
 
 
 def real_shots(data):
-    near_tip = opened(os.path.join(data, "structured/near_tip_vol.xyz"), 2)
+    near_tip = opened(os.path.join(data, "structured/near_tip_vol.xyz"), 0)
     body = opened(os.path.join(data, "surfaces/onera_m6_machaero.igs"))
     return {
         "near_tip": near_tip,
         "near_tip_body": near_tip + body + selected("/0/0|0") + filtered("CatmullClarkToBSplineVolume"),
-        "717": opened(os.path.join(data, "structured/717_wl_L2.cgns"), 2),
-        "t_joint": opened(os.path.join(data, "structured/t_joint.xyz"), 2),
+        "717": opened(os.path.join(data, "structured/717_wl_L2.cgns"), 1),
+        "t_joint": opened(os.path.join(data, "structured/t_joint.xyz"), 0),
     }
 
 
-def write_events(path, events, mark):
-    """The recording; the file `mark`, a saved state, tells that it is over."""
-    events = events + menu("menu_File", "actionFileSaveServerState") + [
-        ("pqClientMainWindow/FileSaveServerStateDialog", "filesSelected", mark)]
+def saved_state(path):
+    return menu("menu_File", "actionFileSaveServerState") + [
+        ("pqClientMainWindow/FileSaveServerStateDialog", "filesSelected", path)]
+
+
+def write_events(path, events, folder):
+    """The recording. A saved state tells that it has come to a picture; a second one gives time to take it."""
     with open(path, "w") as file:
         file.write('<?xml version="1.0" ?>\n<pqevents>\n')
-        for name, command, arguments in events:
-            file.write('  <pqevent object="%s" command="%s" arguments="%s" />\n' % (name, command, arguments))
+        for event in events:
+            mark = os.path.join(folder, event[0])
+            steps = saved_state(mark + ".pvsm") + saved_state(mark + "_2.pvsm") if event[1] == "snap" else [event]
+            for name, command, arguments in steps:
+                kind = ("check", "property") if command.startswith("check ") else ("event", "command")
+                file.write('  <pq%s object="%s" %s="%s" arguments="%s" />\n' % (
+                    kind[0], name, kind[1], command.replace("check ", ""), arguments))
         file.write("</pqevents>\n")
 
 
@@ -187,28 +236,43 @@ def write_png(path, pixels):
         file.write(chunk(b"IEND", b""))
 
 
-def shoot(paraview, plugin, name, events, folder, display, framebuffer, patience=240):
+def contact_sheet(pictures, columns=6):
+    """Pictures of one size side by side, the first at the upper left; rows of pixels are the lowest first."""
+    blank = np.full_like(pictures[0], 255)
+    pictures = pictures + [blank] * (-len(pictures) % columns)
+    rows = [np.hstack(pictures[n:n + columns]) for n in range(0, len(pictures), columns)]
+    return np.ascontiguousarray(np.vstack(rows[::-1]))
+
+
+def shoot(paraview, plugin, name, events, folder, display, framebuffer, height, patience=240):
+    """Plays a recording. @return pictures by their names, of as many events "snap" as were reached in time"""
     home = os.path.join(folder, name)
     os.makedirs(os.path.join(home, ".config", "ParaView"))
     manager = servermanager.vtkSMProxyManager
     number = "%d.%d.%d" % (manager.GetVersionMajor(), manager.GetVersionMinor(), manager.GetVersionPatch())
     with open(os.path.join(home, ".config", "ParaView", "ParaView%s.ini" % number), "w") as file:
-        file.write(SETTINGS)
-    mark = os.path.join(home, "done.pvsm")
+        file.write(SETTINGS % height)
     script = os.path.join(home, "events.xml")
-    write_events(script, events, mark)
+    write_events(script, events, home)
     process = subprocess.Popen(
         [paraview, "--plugin-search-paths=" + plugin, "--plugins=BSplineVolume", "--test-directory=" + home,
          "--test-script=" + script], env=dict(os.environ, HOME=home, XDG_RUNTIME_DIR=home, DISPLAY=display),
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    start = time.time()
-    while not os.path.exists(mark) and process.poll() is None and time.time() - start < patience:
-        time.sleep(0.5)
-    time.sleep(3)  # the window is drawn once more
-    pixels = screen(framebuffer)
+    snaps = [event[0] for event in events if event[1] == "snap"]
+    pictures = {}
+    for snap in snaps:
+        start = time.time()
+        mark = os.path.join(home, snap + ".pvsm")
+        while not os.path.exists(mark) and process.poll() is None and time.time() - start < patience:
+            time.sleep(0.1)
+        if not os.path.exists(mark):
+            break
+        # The window is drawn once more.
+        time.sleep(3 if snap == snaps[-1] else 0.2)
+        pictures[snap] = screen(framebuffer)
     process.kill()
     process.wait()
-    return pixels if os.path.exists(mark) else None
+    return pictures
 
 
 def main():
@@ -217,29 +281,41 @@ def main():
     parser.add_argument("plugin")
     parser.add_argument("output")
     parser.add_argument("--data", help="folder with real meshes")
+    parser.add_argument("--panels", action="store_true", help="the panels instead")
     parser.add_argument("names", nargs="*", help="only these pictures")
     arguments = parser.parse_args()
-    shots = dict(SHOTS, **(real_shots(arguments.data) if arguments.data else {}))
     os.makedirs(arguments.output, exist_ok=True)
     folder = tempfile.mkdtemp()
+    if arguments.panels:
+        recordings = panels_of(folder, os.path.abspath(arguments.plugin))
+    else:
+        shots = dict(SHOTS, **(real_shots(arguments.data) if arguments.data else {}))
+        recordings = [shots[name] + [(name, "snap", "")] for name in arguments.names or shots]
+    height = PANEL_WINDOW if arguments.panels else 1000
     display = ":%d" % (200 + os.getpid() % 500)
-    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "1600x1000x24", "-noreset", "-fbdir", folder],
+    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "1600x%dx24" % height, "-noreset", "-fbdir", folder],
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     failed = []
+    panels = []
     try:
         time.sleep(2)
-        for name in arguments.names or shots:
-            pixels = shoot(shutil.which(arguments.paraview) or arguments.paraview, os.path.abspath(arguments.plugin),
-                           name, shots[name], folder, display, os.path.join(folder, "Xvfb_screen0"))
-            if pixels is None:
-                failed.append(name)
-                continue
-            write_png(os.path.join(arguments.output, name + ".png"), pixels)
-            print("Picture written: %s.png" % name, flush=True)
+        for n, events in enumerate(recordings):
+            pictures = shoot(shutil.which(arguments.paraview) or arguments.paraview, os.path.abspath(arguments.plugin),
+                             "recording%d" % n, events, folder, display, os.path.join(folder, "Xvfb_screen0"), height)
+            failed += [event[0] for event in events if event[1] == "snap" and event[0] not in pictures]
+            for name, pixels in pictures.items():
+                if arguments.panels:
+                    # The lowest rows come first.
+                    panels.append(pixels[STATUS_BAR:STATUS_BAR + PANEL[1], :PANEL[0]])
+                else:
+                    write_png(os.path.join(arguments.output, name + ".png"), pixels)
+                print("Picture taken: " + name, flush=True)
     finally:
         server.terminate()
         server.wait()
         shutil.rmtree(folder, ignore_errors=True)
+    if panels:
+        write_png(os.path.join(arguments.output, "panels.png"), contact_sheet(panels))
     if failed:
         sys.exit("No picture of " + ", ".join(failed))
 

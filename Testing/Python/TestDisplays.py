@@ -21,7 +21,8 @@ import make_demo_mesh
 PLUGIN = os.path.dirname(os.environ["BSV_PLUGIN"])
 SOURCES = ("HexBlockMeshReader", "NURBSSurfaceReader", "BSplineVolumeReader", "QuadflowReader", "WingFuselageSource")
 FILTERS = ("CatmullClarkToBSplineVolume", "HexBlockTopology", "BodyDeviation", "BSplineVolumeSampler",
-           "BSplineVolumeSmoothness", "BSplineVolumeQuality", "BSplineVolumeToBezierCells", "WallSpacing")
+           "BSplineVolumeSmoothness", "BSplineVolumeQuality", "BSplineVolumeToBezierCells", "WallSpacing",
+           "BSplineVolumeDifference")
 WRITERS = ("QuadflowWriter", "NURBSSurfaceWriter")
 
 VIEW = simple.CreateRenderView()
