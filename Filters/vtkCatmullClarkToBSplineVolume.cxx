@@ -14,6 +14,7 @@
 #include "Execution/FilterExecution.h"
 #include "Execution/MemoryCheck.h"
 #include "Ranks/Ranks.h"
+#include "Wall/BodyDistance.h"
 #include "Wall/BodyFit.h"
 #include "Wall/FacesOnBody.h"
 
@@ -466,58 +467,49 @@ std::string spanText(
   return text.str();
 }
 
-/// Mean length of the mesh edges of the wall, or 0. Collective.
-double meanWallEdge(const bsv::BlockComplex& complex, const bsv::ConversionOptions& options, const bsv::Ranks& ranks)
+/// Of the converted wall. Collective.
+bsv::BodyDistance wallDistance(const Conversion& conversion, const bsv::ConversionOptions& options,
+  const bsv::BodySurface& body, const bsv::Execution& run)
 {
-  // Per face, so that the sum does not depend on who has them.
-  std::vector<std::array<double, 2>> perFace(complex.faces.size(), { 0.0, 0.0 });
-  ranks.together([&] {
-    for (std::size_t f = 0; f < complex.faces.size(); ++f)
-    {
-      const bsv::ComplexFace& face = complex.faces[f];
-      const bsv::FaceUse& use = face.uses.front();
-      const bsv::ComplexBlock& block = complex.blocks[use.block];
-      if (!face.boundary() || face.tag < 0 || options.roles[face.tag] != bsv::BoundaryRole::Body ||
-        block.rank != ranks.rank())
-      {
-        continue;
-      }
-      const bsv::Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
-      const auto at = [&](int s, int t) { return block.points(bsv::facePoint(cells, use.face, s, t)); };
-      for (int t = 0; t < cells[bsv::faceAxis(use.face, 1)]; ++t)
-      {
-        for (int s = 0; s < cells[bsv::faceAxis(use.face, 0)]; ++s)
-        {
-          perFace[f][0] += (at(s + 1, t) - at(s, t)).norm() + (at(s, t + 1) - at(s, t)).norm();
-          perFace[f][1] += 2.0;
-        }
-      }
-    }
-  });
-  ranks.share(perFace, [&](bsv::Index f) { return complex.blocks[complex.faces[f].uses.front().block].rank; });
-  double sum = 0.0, count = 0.0;
-  for (const std::array<double, 2>& face : perFace)
+  std::vector<bsv::BSplineVolume> volumes(conversion.nets.size());
+  std::vector<bsv::VolumeFace> faces;
+  for (const bsv::ComplexFace& face : conversion.complex.faces)
   {
-    sum += face[0];
-    count += face[1];
+    const bsv::FaceUse& use = face.uses.front();
+    vtkStructuredGrid* net = conversion.nets[use.block];
+    if (net && bsv::roleOf(options, face) == bsv::BoundaryRole::Body)
+    {
+      bsv::BSplineVolume& volume = volumes[use.block];
+      volume.knots = conversion.knots[use.block];
+      volume.points = vtkDoubleArray::SafeDownCast(net->GetPoints()->GetData())->GetPointer(0);
+      faces.push_back({ &volume, use.face });
+    }
   }
-  return count > 0.0 ? sum / count : 0.0;
+  return bsv::bodyDistance(faces, body, run);
 }
 
 /// How close the wall is to the body.
-std::string wallSentence(const WallPoints& wall, bool hasBody, double edge)
+std::string wallSentence(const WallPoints& wall, bool hasBody, const bsv::BodyDistance& distance)
 {
   if (!hasBody)
   {
     return wall.onBody ? "Wall: within " + bsv::shortNumber(wall.distance) + " of the mesh points"
                        : "Wall: no body given";
   }
-  std::string text = "Wall: within " + bsv::shortNumber(wall.distance) + " of the body";
-  if (edge > 0.0)
+  std::string text = "Wall: within " + bsv::shortNumber(distance.largest) + " of the body";
+  if (distance.inEdges > 0.0)
   {
-    text += ", " + bsv::shortNumber(100.0 * wall.distance / edge) + " % of a mean edge";
+    text += ", " + bsv::shortNumber(100.0 * distance.inEdges) + " % of an edge";
   }
-  return text + "; its points moved by at most " + bsv::shortNumber(wall.displacement);
+  if (distance.largest > 0.0)
+  {
+    text += " at";
+    for (const double x : distance.where)
+    {
+      text += ' ' + bsv::shortNumber(x);
+    }
+  }
+  return text + "; mesh points moved by at most " + bsv::shortNumber(wall.displacement);
 }
 
 /// Whether any block has knots in three directions. Collective.
@@ -1046,8 +1038,9 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     {
       lines.emplace_back("Watertight: blocks share their control points; joins not measured (Check Joins)");
     }
-    lines.push_back(
-      wallSentence(wallPoints, options.body != nullptr, options.body ? meanWallEdge(complex, options, ranks) : 0.0));
+    // At knots and between them: interpolation can overshoot where spacing changes.
+    lines.push_back(wallSentence(wallPoints, options.body != nullptr,
+      options.body ? wallDistance(result, options, *options.body, execution(0.8, 0.8)) : bsv::BodyDistance{}));
     if (counts.spans.checked > 0)
     {
       const bsv::Index bad = counts.spans.invalid + counts.spans.invalidCells;
