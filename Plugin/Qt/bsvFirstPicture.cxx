@@ -14,9 +14,9 @@
 #include "vtkMath.h"
 #include "vtkPVDataInformation.h"
 #include "vtkPVGeneralSettings.h"
-#include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
+#include "vtkSMRepresentationProxy.h"
 #include "vtkSMTransferFunctionProxy.h"
 
 #include <QVariant>
@@ -201,11 +201,12 @@ void bsvFirstPicture::arrange(pqRenderView* view)
 //------------------------------------------------------------------------------
 void bsvFirstPicture::setTitle(vtkSMProxy* display, vtkSMProxy* view)
 {
-  if (!vtkSMPVRepresentationProxy::GetUsingScalarColoring(display))
+  const char* colored = vtkSMPropertyHelper(display, "ColorArrayName").GetInputArrayNameToProcess();
+  const std::string array = colored ? colored : "";
+  if (array.empty())
   {
     return;
   }
-  const std::string array = vtkSMPropertyHelper(display, "ColorArrayName").GetInputArrayNameToProcess();
   vtkSMProxy* legend = vtkSMTransferFunctionProxy::FindScalarBarRepresentation(
     vtkSMPropertyHelper(display, "LookupTable").GetAsProxy(), view);
   if (legend && array == "Layer jump (degrees)" && vtkSMPropertyHelper(legend, "UseCustomLabels").GetAsInt() == 0)
@@ -216,7 +217,9 @@ void bsvFirstPicture::setTitle(vtkSMProxy* display, vtkSMProxy* view)
     vtkSMPropertyHelper(legend, "CustomLabels").Set(labels, 5);
     vtkSMPropertyHelper(legend, "AddRangeLabels").Set(0);
     vtkSMPropertyHelper(legend, "AutomaticLabelFormat").Set(0);
-    vtkSMPropertyHelper(legend, "LabelFormat").Set("%g");
+    // ParaView 6.1 has std::format in place of printf.
+    vtkSMPropertyHelper format(legend, "LabelFormat");
+    format.Set(std::string(format.GetAsString()).find('{') != std::string::npos ? "{:g}" : "%g");
     legend->UpdateVTKObjects();
   }
   for (const auto& [name, title] : Titles)
