@@ -319,7 +319,9 @@ def test_files_of_paraview():
     source = read()
     expected = bits(convert(direct([0, 1, 2]))[0])
     parts = simple.GroupDatasets(Input=[producer(part) for part in blocks(client(source).GetOutputDataObject(0))])
-    for ending, made in (("vtpc", source), ("vtm", parts),
+    # Group Datasets takes no collections, but what Convert To MultiBlock makes of them.
+    whole_tree = simple.GroupDatasets(Input=[simple.ConvertToMultiBlock(Input=source)])
+    for ending, made in (("vtpc", source), ("vtm", parts), ("vtm", whole_tree),
                          ("vtu", simple.MergeBlocks(Input=source)), ("vtu", simple.MergeBlocks(Input=without_contacts()))):
         path = os.path.join(FOLDER.name, "saved." + ending)
         simple.SaveData(path, proxy=made)

@@ -6,7 +6,7 @@
 First table: a mesh of three blocks with two contacts and eight named faces goes through a filter, then through the
 conversion; compared with the conversion of the mesh that should come out, made directly.
 
-Second table: unstructured hexahedra. Those of the folder (`rod_hex_paper_used.vtk`, ..), and lattices of blocks of 4^3
+Second table: unstructured hexahedra. Those of the folder (VTK and MFEM files), and lattices of blocks of 4^3
 cells with holes, whose cells, points and corners are numbered at random. Every cell must be in one block, and another
 numbering must give the same bits. Processor seconds and memory (peak beyond the input, by its size) are those of Hex Mesh To
 Blocks. The ways in which CGNS says the same are printed by `TestMeshFileHabits --gtest_filter=*EightWays`.
@@ -142,6 +142,25 @@ def decompose(data):
     return made, str(proxy.Report), seconds, memory / (1024.0 * data.GetActualMemorySize())
 
 
+def linear_mfem(path):
+    """The hexahedra of an MFEM mesh v1.0 whose vertices have coordinates."""
+    with open(path) as file:
+        words = " ".join(line.split("#")[0] for line in file).split()
+    at = words.index("elements")
+    corners = [[int(v) for v in words[at + 4 + 10 * n:at + 12 + 10 * n]] for n in range(int(words[at + 1]))]
+    at = words.index("vertices")
+    points = vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    for n in range(int(words[at + 1])):
+        points.InsertNextPoint([float(x) for x in words[at + 3 + 3 * n:at + 6 + 3 * n]])
+    data = vtk.vtkUnstructuredGrid()
+    data.SetPoints(points)
+    data.Allocate(len(corners))
+    for cell in corners:
+        data.InsertNextCell(hexahedra.HEX, 8, cell)
+    return data
+
+
 def each_once(made, cells):
     found = []
     for block in blocks(made):
@@ -156,10 +175,14 @@ def decompositions(folder, most):
     row(*["---"] * 8)
     good = True
     meshes = []
-    for path in sorted(glob.glob(os.path.join(folder, "*.vtk"))) if folder else []:
-        reader = simple.LegacyVTKReader(FileNames=[path])
-        reader.UpdatePipeline()
-        meshes.append((os.path.basename(path), collection([client(reader).GetOutputDataObject(0)]), None, None))
+    for path in sorted(glob.glob(os.path.join(folder, "*"))) if folder else []:
+        if path.endswith(".mesh"):
+            data = linear_mfem(path)
+        else:
+            reader = simple.LegacyVTKReader(FileNames=[path])
+            reader.UpdatePipeline()
+            data = client(reader).GetOutputDataObject(0)
+        meshes.append((os.path.basename(path), collection([data]), None, None))
     for count in (1, 8, 100, 1000, 10000):
         if count <= most:
             meshes.append(("lattice", lattice(count), count, count <= 100))
