@@ -366,11 +366,12 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
 
     this->NumberOfWallPoints = static_cast<vtkIdType>(wall.wallPoints);
     this->NumberOfPointsOnTarget = static_cast<vtkIdType>(wall.reached);
-    bsv::setText(verdict,
-      "First cells off the wall: y+ " + bsv::shortNumber(this->YPlusRange[0]) + " to " +
-        bsv::shortNumber(this->YPlusRange[1]) + " at Level " + std::to_string(this->Level) + "\nTarget y+ " +
-        bsv::shortNumber(this->TargetYPlus) + ": reached within 1 % at " + std::to_string(wall.reached) + " of " +
-        std::to_string(wall.wallPoints) + " points of the wall" + (wall.warning.empty() ? "" : ", see the report"));
+    const std::string text = "First cells off the wall: y+ " + bsv::shortNumber(this->YPlusRange[0]) + " to " +
+      bsv::shortNumber(this->YPlusRange[1]) + " at Level " + std::to_string(this->Level) + "\nTarget y+ " +
+      bsv::shortNumber(this->TargetYPlus) + ": reached within 1 % at " + std::to_string(wall.reached) + " of " +
+      std::to_string(wall.wallPoints) + " points of the wall";
+    bsv::setText(verdict, text + (wall.warning.empty() ? "" : ", see the report"));
+    this->Report = text + '\n' + this->Report;
   });
 }
 

@@ -11,6 +11,7 @@
 #include "pqRenderView.h"
 #include "pqServerManagerModel.h"
 #include "vtkCamera.h"
+#include "vtkDataObject.h"
 #include "vtkMath.h"
 #include "vtkPVDataInformation.h"
 #include "vtkPVGeneralSettings.h"
@@ -24,6 +25,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -107,6 +109,36 @@ void lookFromTheSide(pqRenderView* view, pqDataRepresentation* display)
   view->setCenterOfRotation(center);
 }
 
+/// The array that colours a display, or nothing.
+std::string coloringOf(vtkSMProxy* display)
+{
+  // Texts have no colours.
+  const char* array = display->GetProperty("ColorArrayName")
+    ? vtkSMPropertyHelper(display, "ColorArrayName").GetInputArrayNameToProcess()
+    : nullptr;
+  return array ? array : "";
+}
+
+/// A body has one colour, not the numbers of its parts, which ParaView takes where nothing else is coloured.
+void takeBlockColors(pqDataRepresentation* display, pqView* view)
+{
+  vtkSMProxy* proxy = display->getProxy();
+  const char* source = display->getInput() ? display->getInput()->getProxy()->GetXMLName() : "";
+  if (std::strcmp(source, "NURBSSurfaceReader") != 0 || coloringOf(proxy) != "vtkBlockColors")
+  {
+    return;
+  }
+  vtkSMProxy* legend = vtkSMTransferFunctionProxy::FindScalarBarRepresentation(
+    vtkSMPropertyHelper(proxy, "LookupTable").GetAsProxy(), view->getProxy());
+  if (legend)
+  {
+    vtkSMPropertyHelper(legend, "Visibility").Set(0);
+    legend->UpdateVTKObjects();
+  }
+  vtkSMPropertyHelper(proxy, "ColorArrayName").SetInputArrayToProcess(vtkDataObject::POINT, "");
+  proxy->UpdateVTKObjects();
+}
+
 /// The wall of the volume without curves and legend of its own.
 void quietGround(pqDataRepresentation* joins, pqView* view)
 {
@@ -178,6 +210,10 @@ void bsvFirstPicture::arrange(pqRenderView* view)
       others = others || !isNew;
     }
     bsvFirstPicture::setTitle(display->getProxy(), view->getProxy());
+    if (isNew)
+    {
+      takeBlockColors(display, view);
+    }
     if (isNew && std::strcmp(name, "JoinsRepresentation") == 0)
     {
       quietGround(display, view);
@@ -201,8 +237,7 @@ void bsvFirstPicture::arrange(pqRenderView* view)
 //------------------------------------------------------------------------------
 void bsvFirstPicture::setTitle(vtkSMProxy* display, vtkSMProxy* view)
 {
-  const char* colored = vtkSMPropertyHelper(display, "ColorArrayName").GetInputArrayNameToProcess();
-  const std::string array = colored ? colored : "";
+  const std::string array = coloringOf(display);
   if (array.empty())
   {
     return;

@@ -2,6 +2,7 @@
 /**
  * What the window does after an Apply beyond what the server's hints can say:
  * - the first picture in an empty view is seen from the side, with the symmetry plane behind, and fills the view;
+ * - bodies have one colour;
  * - legends have titles with units in place of names of arrays;
  * - joins, when they are first shown, have the wall of their volume as a quiet ground: its own curves and their legend
  *   are switched off, so that one legend is left.
