@@ -461,60 +461,58 @@ int vtkBSplineVolumeDifference::RequestData(
     std::vector<vtkSmartPointer<vtkStructuredGrid>> nets(after.volumes.size());
     std::vector<bool> hasWall(after.volumes.size(), false);
     Index moved = 0, all = 0;
-    ranks.together([&] {
-      bsv::Execution here = bsv::filterExecution(this, 0.1, 0.4);
-      const auto progress = here.progress;
-      here.ranks = bsv::aloneRank();
-      for (std::size_t b = 0; b < after.volumes.size(); ++b)
+    bsv::Execution here = bsv::filterExecution(this, 0.1, 0.4);
+    const auto progress = here.progress;
+    here.ranks = bsv::aloneRank();
+    for (std::size_t b = 0; b < after.volumes.size(); ++b)
+    {
+      // Every face would begin anew.
+      here.progress = [&](double) {
+        return progress(static_cast<double>(b) / static_cast<double>(after.volumes.size()));
+      };
+      here.report(0.0);
+      WallBuilder builder;
+      for (int face = 0; face < 6; ++face)
       {
-        // Every face would begin anew.
-        here.progress = [&](double) {
-          return progress(static_cast<double>(b) / static_cast<double>(after.volumes.size()));
-        };
-        here.report(0.0);
-        WallBuilder builder;
-        for (int face = 0; face < 6; ++face)
-        {
-          if (!wall[6 * b + face])
-          {
-            continue;
-          }
-          hasWall[b] = true;
-          if (after.isHere(b))
-          {
-            const auto geometry = bsv::faceGeometry(after.volumes[b], face, this->SamplesPerSpan, here);
-            const auto points = facePoints(after.volumes[b], before.volumes[b], face, this->SamplesPerSpan, here);
-            builder.add(geometry, points);
-            for (std::size_t n = 0; n < points[0].size(); ++n)
-            {
-              onWall.add(points[0][n], points[1][n], static_cast<int>(b));
-            }
-          }
-        }
-        if (!after.isHere(b))
+        if (!wall[6 * b + face])
         {
           continue;
         }
-        walls[b] = hasWall[b] ? builder.build() : nullptr;
-        nets[b] = vtkSmartPointer<vtkStructuredGrid>::New();
-        nets[b]->ShallowCopy(after.grids[b]);
-        if (!sameKnots(after.volumes[b], before.volumes[b]))
+        hasWall[b] = true;
+        if (after.isHere(b))
         {
-          continue;
+          const auto geometry = bsv::faceGeometry(after.volumes[b], face, this->SamplesPerSpan, here);
+          const auto points = facePoints(after.volumes[b], before.volumes[b], face, this->SamplesPerSpan, here);
+          builder.add(geometry, points);
+          for (std::size_t n = 0; n < points[0].size(); ++n)
+          {
+            onWall.add(points[0][n], points[1][n], static_cast<int>(b));
+          }
         }
-        Displacements displacements;
-        const double *x = after.volumes[b].points, *y = before.volumes[b].points;
-        for (vtkIdType n = 0; n < nets[b]->GetNumberOfPoints(); ++n)
-        {
-          const Vec3 now(x + 3 * n), then(y + 3 * n);
-          displacements.add(now, then);
-          anywhere.add(now, then, static_cast<int>(b));
-          moved += now == then ? 0 : 1;
-          ++all;
-        }
-        displacements.attach(nets[b]);
       }
-    });
+      if (!after.isHere(b))
+      {
+        continue;
+      }
+      walls[b] = hasWall[b] ? builder.build() : nullptr;
+      nets[b] = vtkSmartPointer<vtkStructuredGrid>::New();
+      nets[b]->ShallowCopy(after.grids[b]);
+      if (!sameKnots(after.volumes[b], before.volumes[b]))
+      {
+        continue;
+      }
+      Displacements displacements;
+      const double *x = after.volumes[b].points, *y = before.volumes[b].points;
+      for (vtkIdType n = 0; n < nets[b]->GetNumberOfPoints(); ++n)
+      {
+        const Vec3 now(x + 3 * n), then(y + 3 * n);
+        displacements.add(now, then);
+        anywhere.add(now, then, static_cast<int>(b));
+        moved += now == then ? 0 : 1;
+        ++all;
+      }
+      displacements.attach(nets[b]);
+    }
     setBlocks(wallOutput, walls, hasWall, after.names, "Wall");
     setBlocks(netOutput, nets, std::vector<bool>(after.volumes.size(), true), after.names, "ControlPoints");
     netOutput->GetFieldData()->ShallowCopy(input->GetFieldData());

@@ -168,7 +168,8 @@ int vtkBSplineVolumeProbe::RequestData(
     {
       throw bsv::Error("Points: no points to probe are connected");
     }
-    ranks.together([&] { bsv::requireFinitePoints(points, "Points", run); });
+    bsv::requireFinitePoints(points, "Points", run);
+    ranks.nextStep();
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
     const bsv::VolumeLocator locator(input.volumes, run);
     const double tolerance = std::max(this->Tolerance, Rounding) * diagonal(locator, ranks);

@@ -149,22 +149,20 @@ std::vector<SizesBeyond> sizesBeyond(const std::vector<BlockSpans>& blocks,
     }
   };
   std::vector<std::vector<double>> toRank(ranks.size());
-  ranks.together([&] {
-    overContacts([&](int b, int face, const Neighbour& other) {
-      if (!input.isHere(other.block))
+  overContacts([&](int b, int face, const Neighbour& other) {
+    if (!input.isHere(other.block))
+    {
+      return;
+    }
+    const BlockSpans& block = blocks[other.block];
+    std::vector<double>& to = input.isHere(b) ? sizes[b][face] : toRank[input.ranks[b]];
+    for (int t = 0; t < block.spans[bsv::faceAxis(other.face, 1)]; ++t)
+    {
+      for (int s = 0; s < block.spans[bsv::faceAxis(other.face, 0)]; ++s)
       {
-        return;
+        to.push_back(block.size(faceSpan(block.spans, other.face, s, t), bsv::faceDirection(other.face)));
       }
-      const BlockSpans& block = blocks[other.block];
-      std::vector<double>& to = input.isHere(b) ? sizes[b][face] : toRank[input.ranks[b]];
-      for (int t = 0; t < block.spans[bsv::faceAxis(other.face, 1)]; ++t)
-      {
-        for (int s = 0; s < block.spans[bsv::faceAxis(other.face, 0)]; ++s)
-        {
-          to.push_back(block.size(faceSpan(block.spans, other.face, s, t), bsv::faceDirection(other.face)));
-        }
-      }
-    });
+    }
   });
   const std::vector<std::vector<double>> received = ranks.exchange(toRank);
   std::vector<std::size_t> next(ranks.size(), 0);
@@ -467,54 +465,52 @@ int vtkBSplineVolumeQuality::RequestData(
     bsv::JacobianOptions options;
     options.maxDepth = this->MaximumDepth;
     std::vector<BlockSummary> summaries(count);
-    ranks.together([&] {
-      double done = 0.0;
-      for (std::size_t b = 0; b < count; ++b)
+    double done = 0.0;
+    for (std::size_t b = 0; b < count; ++b)
+    {
+      if (!input.isHere(b))
       {
-        if (!input.isHere(b))
-        {
-          continue;
-        }
-        BlockSpans& block = blocks[b];
-        const vtkIdType spans = block.count();
-        const double start = 0.9 * done / total;
-        done += static_cast<double>(spans);
-        const double end = 0.9 * done / total;
-
-        vtkNew<vtkPoints> points;
-        points->SetDataTypeToDouble();
-        points->SetNumberOfPoints(vtkIdType(block.corners[0]) * block.corners[1] * block.corners[2]);
-        auto* coordinates = vtkDoubleArray::SafeDownCast(points->GetData());
-        bsv::sample(input.volumes[b], 0, { 0, 0, 0 }, coordinates->GetPointer(0),
-          bsv::filterExecution(this, start, start + 0.1 * (end - start)));
-        block.points = coordinates->GetPointer(0);
-        block.grid->SetDimensions(block.corners.data());
-        block.grid->SetPoints(points);
-
-        const auto validity = namedArray<vtkUnsignedCharArray>("Validity", spans);
-        block.grid->GetCellData()->SetScalars(validity);
-        bsv::JacobianArrays arrays;
-        arrays.validity = validity->GetPointer(0);
-        arrays.lower = block.add("MinJacobian");
-        arrays.upper = block.add("MaxJacobian");
-        arrays.scaledJacobian = block.add("ScaledJacobian");
-        arrays.skewness = block.add("Skewness");
-        reports[b] = bsv::jacobianBounds(input.volumes[b], input.label(b), options, arrays,
-          bsv::filterExecution(this, start + 0.1 * (end - start), end));
-        // A block with most spans of negative volume is left-handed, and judged by its own sign.
-        const bool leftHanded = 2 * reports[b].negative > spans;
-        if (leftHanded)
-        {
-          bsv::JacobianOptions mirrored = options;
-          mirrored.leftHanded = true;
-          reports[b] = bsv::jacobianBounds(
-            input.volumes[b], input.label(b), mirrored, arrays, bsv::filterExecution(this, end, end));
-        }
-        const bsv::JacobianReport& report = reports[b];
-        summaries[b] = { report.valid, report.invalid, report.undecided, report.lowest,
-          *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans), leftHanded };
+        continue;
       }
-    });
+      BlockSpans& block = blocks[b];
+      const vtkIdType spans = block.count();
+      const double start = 0.9 * done / total;
+      done += static_cast<double>(spans);
+      const double end = 0.9 * done / total;
+
+      vtkNew<vtkPoints> points;
+      points->SetDataTypeToDouble();
+      points->SetNumberOfPoints(vtkIdType(block.corners[0]) * block.corners[1] * block.corners[2]);
+      auto* coordinates = vtkDoubleArray::SafeDownCast(points->GetData());
+      bsv::sample(input.volumes[b], 0, { 0, 0, 0 }, coordinates->GetPointer(0),
+        bsv::filterExecution(this, start, start + 0.1 * (end - start)));
+      block.points = coordinates->GetPointer(0);
+      block.grid->SetDimensions(block.corners.data());
+      block.grid->SetPoints(points);
+
+      const auto validity = namedArray<vtkUnsignedCharArray>("Validity", spans);
+      block.grid->GetCellData()->SetScalars(validity);
+      bsv::JacobianArrays arrays;
+      arrays.validity = validity->GetPointer(0);
+      arrays.lower = block.add("MinJacobian");
+      arrays.upper = block.add("MaxJacobian");
+      arrays.scaledJacobian = block.add("ScaledJacobian");
+      arrays.skewness = block.add("Skewness");
+      reports[b] = bsv::jacobianBounds(input.volumes[b], input.label(b), options, arrays,
+        bsv::filterExecution(this, start + 0.1 * (end - start), end));
+      // A block with most spans of negative volume is left-handed, and judged by its own sign.
+      const bool leftHanded = 2 * reports[b].negative > spans;
+      if (leftHanded)
+      {
+        bsv::JacobianOptions mirrored = options;
+        mirrored.leftHanded = true;
+        reports[b] =
+          bsv::jacobianBounds(input.volumes[b], input.label(b), mirrored, arrays, bsv::filterExecution(this, end, end));
+      }
+      const bsv::JacobianReport& report = reports[b];
+      summaries[b] = { report.valid, report.invalid, report.undecided, report.lowest,
+        *std::min_element(arrays.scaledJacobian, arrays.scaledJacobian + spans), leftHanded };
+    }
     ranks.share(summaries, [&](Index b) { return input.ranks[b]; });
     std::string leftHanded;
     for (std::size_t b = 0; b < count; ++b)
@@ -563,7 +559,9 @@ int vtkBSplineVolumeQuality::RequestData(
       search.blockName = [&input](int block) { return input.label(block); };
       try
       {
-        interfaces = bsv::findVolumeInterfaces(input.volumes, search, bsv::filterExecution(this, 0.9, 0.95));
+        ranks.together([&] {
+          interfaces = bsv::findVolumeInterfaces(input.volumes, search, bsv::filterExecution(this, 0.9, 0.95));
+        });
       }
       catch (const bsv::Aborted&)
       {

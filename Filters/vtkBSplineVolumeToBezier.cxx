@@ -207,7 +207,7 @@ int vtkBSplineVolumeToBezier::RequestData(
         patches.push_back(patchOf(input.volumes[b], spans, b, f));
       }
     }
-    bsv::globalRanks()->together([&] { checkMemory(patches, input); });
+    checkMemory(patches, input);
 
     const bsv::BezierExtraction extraction(
       input.volumes, input.hasInterfaces ? &input.interfaces : nullptr, made, bsv::filterExecution(this, 0.0, 0.2));

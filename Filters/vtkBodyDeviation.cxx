@@ -424,24 +424,22 @@ Totals bodySamples(vtkPolyData* surface, int owner, const bsv::BodySurface& body
   const bool isOwner = ranks.rank() == owner;
   using Triple = std::array<double, 3>;
   std::vector<Triple> points, normals;
-  ranks.together([&] {
-    run.report(0.0);
-    vtkDataArray* array = isOwner ? surface->GetPointData()->GetArray("Normals") : nullptr;
-    if (array && (array->GetNumberOfComponents() != 3 || array->GetNumberOfTuples() < surface->GetNumberOfPoints()))
+  run.report(0.0);
+  vtkDataArray* array = isOwner ? surface->GetPointData()->GetArray("Normals") : nullptr;
+  if (array && (array->GetNumberOfComponents() != 3 || array->GetNumberOfTuples() < surface->GetNumberOfPoints()))
+  {
+    throw bsv::Error("the body's tessellation: point data array 'Normals' must have 3 components a point");
+  }
+  for (vtkIdType i = 0; isOwner && i < surface->GetNumberOfPoints(); ++i)
+  {
+    points.emplace_back();
+    surface->GetPoints()->GetPoint(i, points.back().data());
+    if (array)
     {
-      throw bsv::Error("the body's tessellation: point data array 'Normals' must have 3 components a point");
+      normals.emplace_back();
+      array->GetTuple(i, normals.back().data());
     }
-    for (vtkIdType i = 0; isOwner && i < surface->GetNumberOfPoints(); ++i)
-    {
-      points.emplace_back();
-      surface->GetPoints()->GetPoint(i, points.back().data());
-      if (array)
-      {
-        normals.emplace_back();
-        array->GetTuple(i, normals.back().data());
-      }
-    }
-  });
+  }
   points = ranks.gatherAll(points);
   normals = ranks.gatherAll(normals);
 
@@ -680,16 +678,12 @@ int vtkBodyDeviation::RequestData(
     {
       wallPatches.push_back(face.patch);
     }
-    std::unique_ptr<const bsv::BodySurface> body, wall;
-    ranks.together([&] {
-      body = std::make_unique<bsv::BodySurface>(bodyPatches, run);
-      wall = std::make_unique<bsv::BodySurface>(wallPatches, bsv::filterExecution(this, 0.1, 0.2));
-    });
+    const bsv::BodySurface body(bodyPatches, run);
+    const bsv::BodySurface wall(wallPatches, bsv::filterExecution(this, 0.1, 0.2));
 
     vtkNew<vtkPolyData> wallData;
-    std::vector<Totals> perFace;
-    ranks.together(
-      [&] { perFace = wallSamples(faces, input, this->Level, *body, wallData, bsv::filterExecution(this, 0.2, 0.7)); });
+    std::vector<Totals> perFace =
+      wallSamples(faces, input, this->Level, body, wallData, bsv::filterExecution(this, 0.2, 0.7));
     ranks.share(perFace, [&](Index f) { return input.ranks[faces[f].block]; });
     Totals ofWall;
     for (const Totals& face : perFace)
@@ -710,7 +704,7 @@ int vtkBodyDeviation::RequestData(
     if (first != found.end())
     {
       const Totals ofBody =
-        bodySamples(surface, owner, *body, *wall, WallBorder(faces), bsv::filterExecution(this, 0.7, 1.0));
+        bodySamples(surface, owner, body, wall, WallBorder(faces), bsv::filterExecution(this, 0.7, 1.0));
       this->HausdorffDistance = std::max(ofWall.maximum, ofBody.maximum);
       if (ranks.rank() == owner)
       {
@@ -733,7 +727,7 @@ int vtkBodyDeviation::RequestData(
     const Place farthest = placeOfMaximum(wallData, ranks);
     if (ranks.rank() == 0)
     {
-      setCrossHairs(crossHairs, farthest, *wall);
+      setCrossHairs(crossHairs, farthest, wall);
     }
     this->Report = text + "\nHausdorff distance, over the samples: " + bsv::shortNumber(this->HausdorffDistance) +
       "\nfarthest at " + bsv::shortNumber(farthest.point[0]) + ' ' + bsv::shortNumber(farthest.point[1]) + ' ' +

@@ -541,6 +541,23 @@ std::string rankText(const bsv::BlockComplex& complex, const std::vector<bsv::In
   return text.str();
 }
 
+/// The boundaries that are switched on and off by name are no part of what is compared before: ranks without a block
+/// may not know the names.
+void requireSameRoles(
+  const std::vector<bsv::BoundaryRole>& roles, const std::vector<std::string>& names, const bsv::Ranks& ranks)
+{
+  const std::vector<std::vector<bsv::BoundaryRole>> all = ranks.gather(roles);
+  for (std::size_t r = 1; r < all.size(); ++r)
+  {
+    const auto at = std::mismatch(all[0].begin(), all[0].end(), all[r].begin(), all[r].end()).first;
+    if (at != all[0].end())
+    {
+      throw bsv::Error("Body Boundaries or Symmetry Boundaries: '" + names[at - all[0].begin()] +
+        "' is chosen on rank 0 or on rank " + std::to_string(r) + ", but not on both");
+    }
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -717,15 +734,19 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
   vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
   auto* verdict = vtkTable::GetData(outputVector, 1);
-  if (!input || !output || !verdict)
+  if (!output || !verdict)
   {
-    vtkErrorMacro("Input or output is missing.");
+    vtkErrorMacro("An output is missing.");
     return 0;
   }
   this->ResetReport();
   bsv::setText(verdict, "");
 
   return bsv::execute(this, [&] {
+    if (!input)
+    {
+      throw bsv::Error("The input is missing.");
+    }
     // Parts of the progress, and one count of what the ranks receive.
     const bsv::Execution whole = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *whole.ranks;
@@ -754,8 +775,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       controlPoints += block.points.isHere() ? (counts[0] + 2.0) * (counts[1] + 2.0) * (counts[2] + 2.0) : 0.0;
     }
     // Each has three coordinates and a rule.
-    ranks.together(
-      [&] { bsv::requireMemory(controlPoints * (3 * sizeof(double) + 1), "the volume", "its control points"); });
+    bsv::requireMemory(controlPoints * (3 * sizeof(double) + 1), "the volume", "its control points");
 
     // The body.
     std::unique_ptr<const bsv::BodySurface> body;
@@ -763,11 +783,9 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     if (ranks.any(given != nullptr))
     {
       const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, ranks);
-      ranks.together([&] {
-        bsv::Execution alone = execution(0.0, 0.1);
-        alone.ranks = bsv::aloneRank();
-        body = std::make_unique<bsv::BodySurface>(patches, alone);
-      });
+      bsv::Execution alone = execution(0.0, 0.1);
+      alone.ranks = bsv::aloneRank();
+      body = std::make_unique<bsv::BodySurface>(patches, alone);
     }
 
     // Without names the body tells which faces are its wall.
@@ -788,15 +806,14 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       surfaceData.push_back(bsv::doublePointArray(meshGrids[b], name, components, mesh.blocks[b].name));
       return surfaceData.back() ? surfaceData.back()->GetPointer(0) : nullptr;
     };
-    ranks.together([&] {
-      for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
-      {
-        options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint", 3));
-        options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal", 3));
-        options.wallSpacingPoints.push_back(
-          this->WallSpacingArray.empty() ? nullptr : surfaceArray(b, this->WallSpacingArray.c_str(), 1));
-      }
-    });
+    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+    {
+      options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint", 3));
+      options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal", 3));
+      options.wallSpacingPoints.push_back(
+        this->WallSpacingArray.empty() ? nullptr : surfaceArray(b, this->WallSpacingArray.c_str(), 1));
+    }
+    ranks.nextStep();
     for (std::size_t b = 0; b < mesh.blocks.size() && !this->ExtensionBlocks.empty(); ++b)
     {
       options.extensionBlocks.push_back(bsv::matchesAny(this->ExtensionBlocks, mesh.blocks[b].name));
@@ -871,6 +888,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
           : this->SymmetrySelection.has(name, role == bsv::BoundaryRole::Symmetry) ? bsv::BoundaryRole::Symmetry
                                                                                    : bsv::BoundaryRole::Other;
       }
+      requireSameRoles(options.roles, complex.boundaryNames, ranks);
       if (selected >= 0)
       {
         options.roles[selected] = bsv::BoundaryRole::Body;
@@ -892,15 +910,13 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
       result.nets.resize(complex.blocks.size());
       result.knots = bsv::conversionKnots(complex, options);
-      ranks.together([&] {
-        for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+      for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+      {
+        if (complex.blocks[b].rank == ranks.rank())
         {
-          if (complex.blocks[b].rank == ranks.rank())
-          {
-            result.nets[b] = controlNet(complex.blocks[b], result.knots[b], storage[b]);
-          }
+          result.nets[b] = controlNet(complex.blocks[b], result.knots[b], storage[b]);
         }
-      });
+      }
       // The wall may fold over its layers if it is followed exactly: shares of the displacements are lowered above
       // failing spans until these are valid. What exact joins change comes after that.
       const auto convert = [&](bool repair, bool singleKnots) {
@@ -957,7 +973,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       bool converted = true;
       try
       {
-        convertOnce(other, end, end);
+        ranks.together([&] { convertOnce(other, end, end); });
       }
       catch (const bsv::Aborted&)
       {

@@ -526,9 +526,9 @@ int vtkHexBlockTopology::RequestData(
   auto* surface = vtkPolyData::GetData(outputVector, 1);
   auto* findings = vtkTable::GetData(outputVector, 2);
   auto* creases = vtkPolyData::GetData(outputVector, 3);
-  if (!input || !output || !surface || !findings || !creases)
+  if (!output || !surface || !findings || !creases)
   {
-    vtkErrorMacro("Input or output is missing.");
+    vtkErrorMacro("An output is missing.");
     return 0;
   }
 
@@ -539,6 +539,10 @@ int vtkHexBlockTopology::RequestData(
   this->Report.clear();
 
   return bsv::execute(this, [&] {
+    if (!input)
+    {
+      throw bsv::Error("The input is missing.");
+    }
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.6);
     const int rank = run.ranks->rank();
@@ -558,7 +562,7 @@ int vtkHexBlockTopology::RequestData(
     if (run.ranks->any(given != nullptr) && !mesh.blocks.empty())
     {
       const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, *run.ranks);
-      run.ranks->together([&] { body = std::make_unique<bsv::BodySurface>(patches); });
+      body = std::make_unique<bsv::BodySurface>(patches);
       rules.bodyTurn = [&](const bsv::Vec3& x, double length) { return bsv::bodyTurn(*body, x, length); };
     }
     std::vector<bsv::TurningEdge> turning;

@@ -46,9 +46,9 @@ int vtkHexMeshToBlocks::RequestData(
   vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
   vtkDataObject* boundaries = vtkDataObject::GetData(inputVector[1], 0);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
-  if (!input || !output)
+  if (!output)
   {
-    vtkErrorMacro("Input or output is missing.");
+    vtkErrorMacro("The output is missing.");
     return 0;
   }
 
@@ -57,6 +57,10 @@ int vtkHexMeshToBlocks::RequestData(
   this->Report.clear();
 
   return bsv::execute(this, [&] {
+    if (!input)
+    {
+      throw bsv::Error("The input is missing.");
+    }
     bsv::HexMeshOptions options;
     // What ParaView's list of arrays has for no array.
     options.boundaryArray = this->BoundaryArray == "None" ? std::string() : this->BoundaryArray;

@@ -288,14 +288,18 @@ int vtkMirrorHexBlocks::RequestData(
 {
   vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
-  if (!input || !output)
+  if (!output)
   {
-    vtkErrorMacro("Input or output is missing.");
+    vtkErrorMacro("The output is missing.");
     return 0;
   }
   this->Report.clear();
 
   return bsv::execute(this, [&] {
+    if (!input)
+    {
+      throw bsv::Error("The input is missing.");
+    }
     const bsv::Execution run = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *run.ranks;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
@@ -310,7 +314,7 @@ int vtkMirrorHexBlocks::RequestData(
     {
       points += block.points.isHere() ? static_cast<double>(block.points.size()) : 0.0;
     }
-    ranks.together([&] { bsv::requireMemory(2.0 * points * 3.0 * sizeof(double), "the mesh", "it and its image"); });
+    bsv::requireMemory(2.0 * points * 3.0 * sizeof(double), "the mesh", "it and its image");
     std::vector<bsv::BoundaryPatch> onPlane;
     std::vector<bsv::BoundaryPatch> others;
     for (const bsv::BoundaryPatch& patch : mesh.boundaries)

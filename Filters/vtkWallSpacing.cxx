@@ -281,9 +281,9 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector, 0);
   auto* surface = vtkPolyData::GetData(outputVector, 1);
   auto* verdict = vtkTable::GetData(outputVector, 2);
-  if (!input || !output || !surface || !verdict)
+  if (!output || !surface || !verdict)
   {
-    vtkErrorMacro("Input or output is missing.");
+    vtkErrorMacro("An output is missing.");
     return 0;
   }
   bsv::setText(verdict, "");
@@ -293,6 +293,10 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
   this->Report.clear();
 
   return bsv::execute(this, [&] {
+    if (!input)
+    {
+      throw bsv::Error("The input is missing.");
+    }
     const std::shared_ptr<const bsv::Ranks> shared = bsv::globalRanks();
     const bsv::Ranks& ranks = *shared;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;

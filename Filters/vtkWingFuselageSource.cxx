@@ -150,46 +150,44 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids(layout.counts.size());
     std::vector<double*> addresses(layout.counts.size(), nullptr);
     double minimum = 1.0;
-    run.ranks->together([&] {
-      bsv::Index points = 0;
-      for (std::size_t b = 0; b < owners.size(); ++b)
-      {
-        const bsv::Ijk& counts = layout.counts[b];
-        points += owners[b] == piece.number ? bsv::Index(counts[0]) * counts[1] * counts[2] : 0;
-      }
-      vtksys::SystemInformation machine;
-      const double gigabytes = static_cast<double>(points) * 3 * sizeof(double) / 1e9;
-      const double present = static_cast<double>(machine.GetHostMemoryTotal()) * 1024 / 1e9;
-      if (gigabytes > present)
-      {
-        std::ostringstream text;
-        text << "Resolution " << this->Resolution << " needs " << gigabytes << " GB for the points; this machine has "
-             << present << " GB";
-        throw bsv::Error(text.str());
-      }
+    bsv::Index points = 0;
+    for (std::size_t b = 0; b < owners.size(); ++b)
+    {
+      const bsv::Ijk& counts = layout.counts[b];
+      points += owners[b] == piece.number ? bsv::Index(counts[0]) * counts[1] * counts[2] : 0;
+    }
+    vtksys::SystemInformation machine;
+    const double gigabytes = static_cast<double>(points) * 3 * sizeof(double) / 1e9;
+    const double present = static_cast<double>(machine.GetHostMemoryTotal()) * 1024 / 1e9;
+    if (gigabytes > present)
+    {
+      std::ostringstream text;
+      text << "Resolution " << this->Resolution << " needs " << gigabytes << " GB for the points; this machine has "
+           << present << " GB";
+      throw bsv::Error(text.str());
+    }
 
-      patches = bsv::wingFuselageBody(options.shape);
-      for (std::size_t b = 0; b < owners.size(); ++b)
+    patches = bsv::wingFuselageBody(options.shape);
+    for (std::size_t b = 0; b < owners.size(); ++b)
+    {
+      if (owners[b] == piece.number)
       {
-        if (owners[b] == piece.number)
-        {
-          grids[b] = bsv::blockGrid(layout.counts[b], addresses[b]);
-        }
+        grids[b] = bsv::blockGrid(layout.counts[b], addresses[b]);
       }
-      bsv::wingFuselagePoints(options, patches, addresses, firstHalf);
+    }
+    bsv::wingFuselagePoints(options, patches, addresses, firstHalf);
 
-      bsv::Execution alone = run;
-      alone.ranks = bsv::aloneRank();
-      for (std::size_t b = 0; b < addresses.size(); ++b)
+    bsv::Execution alone = run;
+    alone.ranks = bsv::aloneRank();
+    for (std::size_t b = 0; b < addresses.size(); ++b)
+    {
+      run.report(static_cast<double>(b) / static_cast<double>(addresses.size()));
+      if (addresses[b])
       {
-        run.report(static_cast<double>(b) / static_cast<double>(addresses.size()));
-        if (addresses[b])
-        {
-          const bsv::GridView view(addresses[b], layout.counts[b]);
-          minimum = std::min(minimum, bsv::minimumScaledJacobian(view, alone));
-        }
+        const bsv::GridView view(addresses[b], layout.counts[b]);
+        minimum = std::min(minimum, bsv::minimumScaledJacobian(view, alone));
       }
-    });
+    }
     const std::vector<double> minima = run.ranks->gatherAll(std::vector<double>{ minimum });
     minimum = *std::min_element(minima.begin(), minima.end());
     if (!(minimum > 0.0))

@@ -77,14 +77,6 @@ int vtkBSplineVolumeReader::CanReadFile(const char* fileName)
 }
 
 //------------------------------------------------------------------------------
-int vtkBSplineVolumeReader::RequestInformation(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
-  return this->Superclass::RequestInformation(request, inputVector, outputVector);
-}
-
-//------------------------------------------------------------------------------
 int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
@@ -101,25 +93,23 @@ int vtkBSplineVolumeReader::RequestData(vtkInformation*, vtkInformationVector**,
     bsv::BSplineVolumeFileContent content;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     std::vector<std::string> names;
-    run.ranks->together([&] {
-      run.report(0.0);
-      content = bsv::readBSplineVolumeFile(fileName, bsv::pieceExecution(this, piece, 0.0, 0.8));
-      std::vector<bsv::Ijk> counts;
-      for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
-      {
-        counts.push_back({ block.volume.count(0), block.volume.count(1), block.volume.count(2) });
-        names.push_back(block.name);
-      }
-      const std::vector<int> owners = piece.owners(counts);
-      for (std::size_t b = 0; b < owners.size(); ++b)
-      {
-        bsv::BSplineVolumeFileBlock& block = content.blocks[b];
-        grids.push_back(owners[b] == piece.number ? gridOf(block, content.format == "MFEM NURBS mesh") : nullptr);
-        // So that there are never two copies of all.
-        block.points = {};
-        block.weights = {};
-      }
-    });
+    run.report(0.0);
+    content = bsv::readBSplineVolumeFile(fileName, bsv::pieceExecution(this, piece, 0.0, 0.8));
+    std::vector<bsv::Ijk> counts;
+    for (const bsv::BSplineVolumeFileBlock& block : content.blocks)
+    {
+      counts.push_back({ block.volume.count(0), block.volume.count(1), block.volume.count(2) });
+      names.push_back(block.name);
+    }
+    const std::vector<int> owners = piece.owners(counts);
+    for (std::size_t b = 0; b < owners.size(); ++b)
+    {
+      bsv::BSplineVolumeFileBlock& block = content.blocks[b];
+      grids.push_back(owners[b] == piece.number ? gridOf(block, content.format == "MFEM NURBS mesh") : nullptr);
+      // So that there are never two copies of all.
+      block.points = {};
+      block.weights = {};
+    }
     bsv::setBlocks(output, grids, names, "Volumes");
     bsv::setWholeFaceContacts(output, content.interfaces, content.boundaries, content.boundaryNames);
 

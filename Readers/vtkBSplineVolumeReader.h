@@ -62,7 +62,6 @@ protected:
   vtkBSplineVolumeReader();
   ~vtkBSplineVolumeReader() override = default;
 
-  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

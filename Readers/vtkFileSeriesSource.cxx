@@ -210,6 +210,7 @@ int vtkFileSeriesSource::RequestInformation(vtkInformation*, vtkInformationVecto
 {
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   vtkInformation* info = outputVector->GetInformationObject(0);
+  info->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
   info->Remove(Pipeline::TIME_STEPS());
   info->Remove(Pipeline::TIME_RANGE());
   try

@@ -50,7 +50,7 @@ protected:
   vtkFileSeriesSource();
   ~vtkFileSeriesSource() override = default;
 
-  /// Tells the times.
+  /// Tells the times, and that pieces may be asked for: else the pipeline would not execute the later ones.
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
   /// A step of the series.

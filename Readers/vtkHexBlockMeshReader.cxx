@@ -235,14 +235,6 @@ int vtkHexBlockMeshReader::CanReadFile(const char* fileName)
 }
 
 //------------------------------------------------------------------------------
-int vtkHexBlockMeshReader::RequestInformation(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  outputVector->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1);
-  return this->Superclass::RequestInformation(request, inputVector, outputVector);
-}
-
-//------------------------------------------------------------------------------
 std::vector<double> vtkHexBlockMeshReader::TimesIn(const std::string& fileName)
 {
   return bsv::looksLikeCGNS(fileName) ? bsv::cgnsTimes(fileName) : std::vector<double>();
@@ -284,11 +276,9 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
       options.byteOrder = static_cast<bsv::ByteOrder>(this->ByteOrder);
       options.realType = static_cast<bsv::RealType>(this->Precision);
       options.iblank = static_cast<bsv::IBlank>(this->IBlank);
-      run.ranks->together([&] {
-        const bsv::Plot3DLayout layout = bsv::plot3DLayout(fileName, options);
-        blocks = bsv::readPlot3D(fileName, layout, run, piece);
-        layoutName = "PLOT3D, " + layout.description();
-      });
+      const bsv::Plot3DLayout layout = bsv::plot3DLayout(fileName, options);
+      blocks = bsv::readPlot3D(fileName, layout, run, piece);
+      layoutName = "PLOT3D, " + layout.description();
     }
     tellBlanked(blocks, *run.ranks, warnings);
     for (const bsv::GridBlock& block : blocks)

@@ -162,7 +162,6 @@ protected:
   ~vtkHexBlockMeshReader() override = default;
 
   std::vector<double> TimesIn(const std::string& fileName) override;
-  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

@@ -44,7 +44,6 @@ protected:
   vtkQuadflowReader();
   ~vtkQuadflowReader() override = default;
 
-  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

@@ -3,15 +3,13 @@
 /// How the writers end: on all ranks together, with one message.
 #pragma once
 
-#include "Execution/MemoryCheck.h"
+#include "Execution/FilterExecution.h"
 #include "IO/AtomicFile.h"
 #include "Ranks/Ranks.h"
 
-#include <vtkAlgorithm.h>
 #include <vtkErrorCode.h>
 
 #include <exception>
-#include <new>
 #include <string>
 
 namespace bsv
@@ -25,22 +23,15 @@ namespace bsv
 template <typename Body>
 unsigned long writeTogether(vtkAlgorithm* algorithm, const std::string& fileName, const Ranks& ranks, const Body& body)
 {
-  const auto raise = [&](const char* text) {
-    if (ranks.rank() == 0)
-    {
-      vtkErrorWithObjectMacro(algorithm, << text);
-    }
-  };
-  if (fileName.empty())
-  {
-    raise("File Name is empty.");
-    return vtkErrorCode::NoFileNameError;
-  }
   bool noRoom = false;
   bool noFile = false;
   try
   {
-    ranks.together([&] {
+    onAllRanks(algorithm, ranks, [&] {
+      if (fileName.empty())
+      {
+        throw Error("File Name is empty.");
+      }
       try
       {
         body();
@@ -57,17 +48,16 @@ unsigned long writeTogether(vtkAlgorithm* algorithm, const std::string& fileName
   {
     return vtkErrorCode::UserError;
   }
-  catch (const std::bad_alloc&)
-  {
-    raise(outOfMemory().c_str());
-    return vtkErrorCode::UserError;
-  }
   catch (const std::exception& error)
   {
-    raise(error.what());
-    return ranks.any(noRoom) ? vtkErrorCode::OutOfDiskSpaceError
-      : ranks.any(noFile)    ? vtkErrorCode::CannotOpenFileError
-                             : vtkErrorCode::FileFormatError;
+    if (ranks.rank() == 0)
+    {
+      vtkErrorWithObjectMacro(algorithm, << validUTF8(error.what()));
+    }
+    return ranks.any(noRoom)        ? vtkErrorCode::OutOfDiskSpaceError
+      : ranks.any(noFile)           ? vtkErrorCode::CannotOpenFileError
+      : ranks.any(fileName.empty()) ? vtkErrorCode::NoFileNameError
+                                    : vtkErrorCode::FileFormatError;
   }
   return vtkErrorCode::NoError;
 }

@@ -55,7 +55,8 @@ void vtkBSplineVolumeWriter::WriteData()
     }
     if (extension == ".g2" && run.ranks->any(bsv::isSurface(this->GetInput())))
     {
-      const bsv::SurfacesToWrite surfaces = bsv::bodyToWrite(bsv::bodyPatches(this->GetInput(), *run.ranks));
+      bsv::SurfacesToWrite surfaces;
+      run.ranks->together([&] { surfaces = bsv::bodyToWrite(bsv::bodyPatches(this->GetInput(), *run.ranks)); });
       if (run.ranks->rank() == 0)
       {
         bsv::writeNURBSSurfaceFile(surfaces, this->FileName, 1.0, notes);

@@ -225,12 +225,10 @@ void vtkHexBlockMeshWriter::WriteData()
     {
       const std::filesystem::path path(this->FileName);
       bsv::AtomicFile& file = files.add((path.parent_path() / (path.stem().string() + "_levels.csv")).string());
-      run.ranks->together([&] {
-        if (run.ranks->rank() == 0)
-        {
-          file.write(table.str());
-        }
-      });
+      if (run.ranks->rank() == 0)
+      {
+        file.write(table.str());
+      }
       this->LevelTable = table.str();
     }
     files.publish();

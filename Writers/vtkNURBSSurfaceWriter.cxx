@@ -119,10 +119,12 @@ void vtkNURBSSurfaceWriter::WriteData()
   std::vector<std::string> notes;
   this->SetErrorCode(bsv::writeTogether(this, this->FileName, *run.ranks, [&] {
     vtkDataObject* input = this->GetInput();
-    // All ranks have the whole body or wall then.
-    const bsv::SurfacesToWrite surfaces = run.ranks->any(bsv::isVolume(input))
-      ? wallOf(input, this->BodyBoundaries, run)
-      : bsv::bodyToWrite(bsv::bodyPatches(input, *run.ranks));
+    // All ranks have the whole body or wall then, or none writes.
+    bsv::SurfacesToWrite surfaces;
+    run.ranks->together([&] {
+      surfaces = run.ranks->any(bsv::isVolume(input)) ? wallOf(input, this->BodyBoundaries, run)
+                                                      : bsv::bodyToWrite(bsv::bodyPatches(input, *run.ranks));
+    });
     if (run.ranks->rank() == 0)
     {
       const double metres = this->LengthUnit == AS_IN_INPUT ? unitOf(input) : Units[this->LengthUnit].second;

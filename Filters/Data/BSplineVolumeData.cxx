@@ -117,47 +117,44 @@ BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks
 
   // Block, degree and whether it is rational, then the knots.
   std::vector<double> mine;
-  ranks.together([&] {
-    for (std::size_t b = 0; b < count; ++b)
+  for (std::size_t b = 0; b < count; ++b)
+  {
+    if (!result.isHere(b))
     {
-      if (!result.isHere(b))
-      {
-        continue;
-      }
-      const std::string label = result.label(b);
-      vtkSmartPointer<vtkStructuredGrid>& grid = result.grids[b];
-      BSplineVolume& volume = result.volumes[b];
-      const std::vector<double> degree = fieldValues(grid, "Degree", 3, label);
-      for (int d = 0; d < 3; ++d)
-      {
-        if (!(degree[d] >= 1.0 && degree[d] <= MaxDegree) || degree[d] != static_cast<int>(degree[d]))
-        {
-          throw Error(label + ": field data array 'Degree' has the value " + std::to_string(degree[d]) +
-            "; degrees are 1.." + std::to_string(MaxDegree));
-        }
-        volume.degree[d] = static_cast<int>(degree[d]);
-        const int points = mesh.blocks[b].points.counts()[d];
-        volume.knots[d] =
-          fieldValues(grid, KnotNames[d], static_cast<std::size_t>(points) + volume.degree[d] + 1, label);
-      }
-      result.weights[b] = doublePointArray(grid, "Weights", 1, result.names[b]);
-      volume.weights = result.weights[b] ? result.weights[b]->GetPointer(0) : nullptr;
-      volume.points = doublePoints(grid);
-      checkBSplineVolume(volume, label);
-      result.rational[b] = volume.weights ? 1 : 0;
-      result.rules[b] = rulesOf(grid, label);
-      auto* classes = vtkUnsignedCharArray::SafeDownCast(grid->GetFieldData()->GetAbstractArray("EdgeClasses"));
-      result.edgeClasses[b] = classes && classes->GetNumberOfValues() == 12 ? classes->GetPointer(0) : nullptr;
-
-      mine.push_back(static_cast<double>(b));
-      mine.insert(mine.end(), degree.begin(), degree.end());
-      mine.push_back(result.rational[b]);
-      for (const std::vector<double>& knots : volume.knots)
-      {
-        mine.insert(mine.end(), knots.begin(), knots.end());
-      }
+      continue;
     }
-  });
+    const std::string label = result.label(b);
+    vtkSmartPointer<vtkStructuredGrid>& grid = result.grids[b];
+    BSplineVolume& volume = result.volumes[b];
+    const std::vector<double> degree = fieldValues(grid, "Degree", 3, label);
+    for (int d = 0; d < 3; ++d)
+    {
+      if (!(degree[d] >= 1.0 && degree[d] <= MaxDegree) || degree[d] != static_cast<int>(degree[d]))
+      {
+        throw Error(label + ": field data array 'Degree' has the value " + std::to_string(degree[d]) +
+          "; degrees are 1.." + std::to_string(MaxDegree));
+      }
+      volume.degree[d] = static_cast<int>(degree[d]);
+      const int points = mesh.blocks[b].points.counts()[d];
+      volume.knots[d] = fieldValues(grid, KnotNames[d], static_cast<std::size_t>(points) + volume.degree[d] + 1, label);
+    }
+    result.weights[b] = doublePointArray(grid, "Weights", 1, result.names[b]);
+    volume.weights = result.weights[b] ? result.weights[b]->GetPointer(0) : nullptr;
+    volume.points = doublePoints(grid);
+    checkBSplineVolume(volume, label);
+    result.rational[b] = volume.weights ? 1 : 0;
+    result.rules[b] = rulesOf(grid, label);
+    auto* classes = vtkUnsignedCharArray::SafeDownCast(grid->GetFieldData()->GetAbstractArray("EdgeClasses"));
+    result.edgeClasses[b] = classes && classes->GetNumberOfValues() == 12 ? classes->GetPointer(0) : nullptr;
+
+    mine.push_back(static_cast<double>(b));
+    mine.insert(mine.end(), degree.begin(), degree.end());
+    mine.push_back(result.rational[b]);
+    for (const std::vector<double>& knots : volume.knots)
+    {
+      mine.insert(mine.end(), knots.begin(), knots.end());
+    }
+  }
   if (ranks.size() > 1)
   {
     const std::vector<double> all = ranks.gatherAll(mine);

@@ -195,28 +195,25 @@ std::vector<SharedLeaf> shareLeaves(const std::vector<Leaf>& leaves, const Ranks
   std::vector<int> sizes; // partitions per data set
   std::vector<LeafRecord> records;
   std::vector<char> names;
-  ranks.together([&] {
-    for (std::size_t i = 0; i < leaves.size(); ++i)
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+  {
+    const Leaf& leaf = leaves[i];
+    sizes.resize(leaf.dataSet + 1, 0);
+    sizes[leaf.dataSet] = leaf.partition + 1;
+    const std::string name = blockName(leaf.name, i);
+    auto* grid = vtkStructuredGrid::SafeDownCast(leaf.data);
+    if (leaf.data && !grid)
     {
-      const Leaf& leaf = leaves[i];
-      sizes.resize(leaf.dataSet + 1, 0);
-      sizes[leaf.dataSet] = leaf.partition + 1;
-      const std::string name = blockName(leaf.name, i);
-      auto* grid = vtkStructuredGrid::SafeDownCast(leaf.data);
-      if (leaf.data && !grid)
-      {
-        throw Error(
-          "Block '" + name + "' is a " + leaf.data->GetClassName() + "; only vtkStructuredGrid can be a block.");
-      }
-      // A grid without points is how a missing block travels through filters that keep the structure.
-      if (grid && grid->GetNumberOfPoints() > 0)
-      {
-        records.push_back(
-          { leaf.dataSet, leaf.partition, pointCounts(grid, name), static_cast<int>(leaf.name.size()) });
-        names.insert(names.end(), leaf.name.begin(), leaf.name.end());
-      }
+      throw Error(
+        "Block '" + name + "' is a " + leaf.data->GetClassName() + "; only vtkStructuredGrid can be a block.");
     }
-  });
+    // A grid without points is how a missing block travels through filters that keep the structure.
+    if (grid && grid->GetNumberOfPoints() > 0)
+    {
+      records.push_back({ leaf.dataSet, leaf.partition, pointCounts(grid, name), static_cast<int>(leaf.name.size()) });
+      names.insert(names.end(), leaf.name.begin(), leaf.name.end());
+    }
+  }
   // Partitions are counted where there are several; a rank without any block may have no tree at all.
   std::vector<int> widths{ static_cast<int>(sizes.size()) };
   for (std::size_t s = 0; s < sizes.size(); ++s)
@@ -288,17 +285,16 @@ std::vector<SharedLeaf> shareLeaves(const std::vector<Leaf>& leaves, const Ranks
   {
     shared[start[leaf.dataSet] + leaf.partition].own = &leaf;
   }
-  ranks.together([&] {
-    for (std::size_t i = 0; i < shared.size(); ++i)
+  for (std::size_t i = 0; i < shared.size(); ++i)
+  {
+    const SharedLeaf& leaf = shared[i];
+    if (leaf.rank >= 0 && leaf.own && !leaf.name.empty() && !leaf.own->name.empty() && leaf.own->name != leaf.name)
     {
-      const SharedLeaf& leaf = shared[i];
-      if (leaf.rank >= 0 && leaf.own && !leaf.name.empty() && !leaf.own->name.empty() && leaf.own->name != leaf.name)
-      {
-        throw Error("Block " + std::to_string(i) + " is " + state(i, leaf.name, leaf.counts, leaf.rank) +
-          ", but has the name '" + leaf.own->name + "' on rank " + std::to_string(ranks.rank()) + ".");
-      }
+      throw Error("Block " + std::to_string(i) + " is " + state(i, leaf.name, leaf.counts, leaf.rank) +
+        ", but has the name '" + leaf.own->name + "' on rank " + std::to_string(ranks.rank()) + ".");
     }
-  });
+  }
+  ranks.nextStep();
   std::vector<SharedLeaf*> unnamed;
   std::vector<char> known; // each with a zero behind it
   for (SharedLeaf& leaf : shared)
@@ -430,16 +426,14 @@ vtkSmartPointer<vtkFieldData> sharedFields(vtkFieldData* mine, const Ranks& rank
   {
     return mine;
   }
-  ranks.together([&] {
-    for (const IntArrayKind* kind : { &InterfacesArray, &BoundariesArray, &CreasesArray })
-    {
-      intArray(mine, *kind);
-    }
-    for (const char* name : BoundaryTexts)
-    {
-      boundaryTexts(mine, name);
-    }
-  });
+  for (const IntArrayKind* kind : { &InterfacesArray, &BoundariesArray, &CreasesArray })
+  {
+    intArray(mine, *kind);
+  }
+  for (const char* name : BoundaryTexts)
+  {
+    boundaryTexts(mine, name);
+  }
   auto fields = vtkSmartPointer<vtkFieldData>::New();
   for (const IntArrayKind* kind : { &InterfacesArray, &BoundariesArray, &CreasesArray })
   {
@@ -697,29 +691,28 @@ BlockMesh blocksOfLeaves(const std::vector<Leaf>& leaves, vtkFieldData* ownField
   BlockMesh mesh;
   grids.clear();
   std::vector<int> blockOfLeaf(shared.size(), -1);
-  ranks.together([&] {
-    for (std::size_t i = 0; i < shared.size(); ++i)
+  for (std::size_t i = 0; i < shared.size(); ++i)
+  {
+    const SharedLeaf& leaf = shared[i];
+    if (leaf.rank < 0)
     {
-      const SharedLeaf& leaf = shared[i];
-      if (leaf.rank < 0)
-      {
-        continue;
-      }
-      blockOfLeaf[i] = static_cast<int>(mesh.blocks.size());
-      MeshBlock block;
-      block.points = GridView::elsewhere(leaf.counts);
-      block.rank = leaf.rank;
-      block.name = blockName(leaf.name, i);
-      vtkSmartPointer<vtkStructuredGrid> grid;
-      if (leaf.rank == ranks.rank())
-      {
-        grid = vtkStructuredGrid::SafeDownCast(leaf.own->data);
-        readPoints(grid, block);
-      }
-      mesh.blocks.push_back(std::move(block));
-      grids.push_back(grid);
+      continue;
     }
-  });
+    blockOfLeaf[i] = static_cast<int>(mesh.blocks.size());
+    MeshBlock block;
+    block.points = GridView::elsewhere(leaf.counts);
+    block.rank = leaf.rank;
+    block.name = blockName(leaf.name, i);
+    vtkSmartPointer<vtkStructuredGrid> grid;
+    if (leaf.rank == ranks.rank())
+    {
+      grid = vtkStructuredGrid::SafeDownCast(leaf.own->data);
+      readPoints(grid, block);
+    }
+    mesh.blocks.push_back(std::move(block));
+    grids.push_back(grid);
+  }
+  ranks.nextStep();
 
   if (!arraysFitBlocks(ownFields, mesh, grids, ranks))
   {

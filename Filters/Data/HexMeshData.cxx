@@ -790,34 +790,29 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
     result.ranks = aloneRank();
     return result;
   };
-  ranks.together([&] {
-    if (input)
-    {
-      collector.add(input, false);
-    }
-    if (surfaces)
-    {
-      collector.add(surfaces, true);
-    }
-    collector.makePoints();
-    run.report(0.1);
-  });
+  if (input)
+  {
+    collector.add(input, false);
+  }
+  if (surfaces)
+  {
+    collector.add(surfaces, true);
+  }
+  collector.makePoints();
+  run.report(0.1);
   const bool several = ranks.size() > 1;
   if (several)
   {
     gatherMesh(mesh, collector, ranks);
   }
-  ranks.together([&] {
-    collector.finish();
-    if (!several)
-    {
-      collector.nameFormerFaces();
-    }
-    output->Initialize();
-    if (mesh.cellCount() == 0)
-    {
-      return;
-    }
+  collector.finish();
+  if (!several)
+  {
+    collector.nameFormerFaces();
+  }
+  output->Initialize();
+  if (mesh.cellCount() > 0)
+  {
     mesh.cellName = [&](Index cell) {
       return several ? "cell " + std::to_string(collector.cellNumbers()[cell]) : collector.cellName(cell);
     };
@@ -878,7 +873,7 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
     report.singularEdges = complex.singularEdges;
     report.notes = std::move(complex.notes);
     report.warnings = std::move(complex.warnings);
-  });
+  }
   report.notes.insert(report.notes.begin(), collector.notes.begin(), collector.notes.end());
   report.warnings.insert(report.warnings.begin(), collector.warnings.begin(), collector.warnings.end());
   return report;

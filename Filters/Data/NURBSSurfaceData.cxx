@@ -354,36 +354,34 @@ std::vector<BodyPatch> bodyPatches(vtkDataObject* input, const Ranks& ranks)
       requireFinitePoints(surface, "body, " + std::string(name ? "'" + std::string(name) + "'" : "surface"));
     }
   };
-  ranks.together([&] {
-    if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(input))
+  if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(input))
+  {
+    for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
     {
-      for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
+      const char* name =
+        collection->HasMetaData(i) ? collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()) : nullptr;
+      for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
       {
-        const char* name =
-          collection->HasMetaData(i) ? collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()) : nullptr;
-        for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
-        {
-          take(collection->GetPartitionAsDataObject(i, p), name, { static_cast<int>(i), static_cast<int>(p) });
-        }
+        take(collection->GetPartitionAsDataObject(i, p), name, { static_cast<int>(i), static_cast<int>(p) });
       }
     }
-    else if (auto* tree = vtkDataObjectTree::SafeDownCast(input))
+  }
+  else if (auto* tree = vtkDataObjectTree::SafeDownCast(input))
+  {
+    auto iterator = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
+    iterator->VisitOnlyLeavesOn();
+    iterator->TraverseSubTreeOn();
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
     {
-      auto iterator = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
-      iterator->VisitOnlyLeavesOn();
-      iterator->TraverseSubTreeOn();
-      for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
-      {
-        take(iterator->GetCurrentDataObject(),
-          iterator->HasCurrentMetaData() ? iterator->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME()) : nullptr,
-          { static_cast<int>(iterator->GetCurrentFlatIndex()), 0 });
-      }
+      take(iterator->GetCurrentDataObject(),
+        iterator->HasCurrentMetaData() ? iterator->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME()) : nullptr,
+        { static_cast<int>(iterator->GetCurrentFlatIndex()), 0 });
     }
-    else
-    {
-      take(input, nullptr, { 0, 0 });
-    }
-  });
+  }
+  else
+  {
+    take(input, nullptr, { 0, 0 });
+  }
   sharePatches(patches, ranks);
   if (patches.empty())
   {

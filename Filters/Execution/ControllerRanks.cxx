@@ -9,12 +9,15 @@
 #include <iostream>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace bsv
 {
 namespace
 {
+
+thread_local std::shared_ptr<const Ranks> ofThread;
 
 class ControllerRanks : public RankGroup
 {
@@ -84,8 +87,21 @@ private:
 
 } // namespace
 
+RanksOfThread::RanksOfThread(std::shared_ptr<const Ranks> ranks)
+{
+  ofThread = std::move(ranks);
+}
+RanksOfThread::~RanksOfThread()
+{
+  ofThread = nullptr;
+}
+
 std::shared_ptr<const Ranks> globalRanks()
 {
+  if (ofThread)
+  {
+    return ofThread;
+  }
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   if (!controller || controller->GetNumberOfProcesses() == 1)
   {

@@ -5,6 +5,8 @@
 
 #include "Ranks/Ranks.h"
 
+#include "BSplineVolumeFiltersModule.h"
+
 #include <memory>
 
 namespace bsv
@@ -12,6 +14,16 @@ namespace bsv
 
 /// The processes of vtkMultiProcessController::GetGlobalController(): those of a pvserver or of pvbatch, or this one
 /// alone.
-std::shared_ptr<const Ranks> globalRanks();
+BSPLINEVOLUMEFILTERS_EXPORT std::shared_ptr<const Ranks> globalRanks();
+
+/// While it lives, globalRanks() of the calling thread returns `ranks`: so tests run several ranks in one process.
+class BSPLINEVOLUMEFILTERS_EXPORT RanksOfThread
+{
+public:
+  explicit RanksOfThread(std::shared_ptr<const Ranks> ranks);
+  ~RanksOfThread();
+  RanksOfThread(const RanksOfThread&) = delete;
+  RanksOfThread& operator=(const RanksOfThread&) = delete;
+};
 
 } // namespace bsv

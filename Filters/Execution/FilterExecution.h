@@ -8,6 +8,7 @@
 #include "Base/UTF8.h"
 #include "Execution/ControllerRanks.h"
 #include "Execution/MemoryCheck.h"
+#include "Execution/Parameters.h"
 #include "Execution/ReportPace.h"
 #include "Ranks/Ranks.h"
 
@@ -93,9 +94,29 @@ inline void clearOutputs(vtkAlgorithm* algorithm)
   }
 }
 
+/// Runs `body`, all that `algorithm` does with the other ranks, in the one scope that it needs. Properties and inputs
+/// that are not the same on all ranks are an error, with the property and both values. So is memory that is missing,
+/// with the rank and what is free.
+template <typename Body>
+void onAllRanks(vtkAlgorithm* algorithm, const Ranks& ranks, const Body& body)
+{
+  ranks.together(
+    [&] {
+      try
+      {
+        body();
+      }
+      catch (const std::bad_alloc&)
+      {
+        throw Error((ranks.size() > 1 ? "rank " + std::to_string(ranks.rank()) + ": " : std::string()) + outOfMemory());
+      }
+    },
+    [&] { return parametersOf(algorithm); });
+}
+
 /// Runs the body of a filter's RequestData. It may communicate with the other ranks, and is over on all of them when it
 /// is on one: an abort or an error, wherever it happens, leaves all outputs empty everywhere. An error is the text of
-/// the exception, raised once: by `algorithm`, on the first rank. std::bad_alloc says how much memory is free.
+/// the exception, raised once: by `algorithm`, on the first rank.
 /// @param ranks which take part
 /// @return what RequestData returns: 0 after an error, else 1
 template <typename Body>
@@ -104,7 +125,7 @@ int execute(vtkAlgorithm* algorithm, const Ranks& ranks, const Body& body)
   std::string message;
   try
   {
-    ranks.together([&] {
+    onAllRanks(algorithm, ranks, [&] {
       body();
       if (aborted(algorithm))
       {
@@ -117,10 +138,6 @@ int execute(vtkAlgorithm* algorithm, const Ranks& ranks, const Body& body)
   {
     clearOutputs(algorithm);
     return 1;
-  }
-  catch (const std::bad_alloc&)
-  {
-    message = outOfMemory();
   }
   catch (const std::exception& error)
   {

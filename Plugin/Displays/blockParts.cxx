@@ -140,20 +140,18 @@ void choosePart(Model& model, const Coarse& coarse, const Execution& run)
   // Without names: what surrounds a hole.
   std::vector<std::array<double, 3>> points;
   std::vector<std::array<int, 3>> sizes;
-  model.ranks->together([&] {
-    for (const Face& face : model.faces)
+  for (const Face& face : model.faces)
+  {
+    if (model.isHere(face.block))
     {
-      if (model.isHere(face.block))
+      const CoarseFace mine = coarse(face);
+      sizes.push_back({ mine.counts[0], mine.counts[1], mine.outward ? 1 : 0 });
+      for (const Vec3& x : mine.points)
       {
-        const CoarseFace mine = coarse(face);
-        sizes.push_back({ mine.counts[0], mine.counts[1], mine.outward ? 1 : 0 });
-        for (const Vec3& x : mine.points)
-        {
-          points.push_back({ x[0], x[1], x[2] });
-        }
+        points.push_back({ x[0], x[1], x[2] });
       }
     }
-  });
+  }
   const auto allSizes = model.ranks->gather(sizes);
   const auto allPoints = model.ranks->gather(points);
   std::vector<std::size_t> nextSize(allSizes.size(), 0), nextPoint(allSizes.size(), 0);
@@ -170,11 +168,9 @@ void choosePart(Model& model, const Coarse& coarse, const Execution& run)
     }
   }
   std::vector<double> share;
-  model.ranks->together([&] {
-    Execution alone = run;
-    alone.ranks = aloneRank();
-    share = enclosure(faces, alone);
-  });
+  Execution alone = run;
+  alone.ranks = aloneRank();
+  share = enclosure(faces, alone);
   for (std::size_t f = 0; f < faces.size(); ++f)
   {
     if (share[f] >= EnclosedShare && model.faces[f].part != Part::Symmetry)
@@ -886,7 +882,7 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
   {
     BlockComplexOptions gluing;
     gluing.allowDegenerate = true;
-    complex = buildBlockComplex(mesh, gluing, run);
+    ranks.together([&] { complex = buildBlockComplex(mesh, gluing, run); });
   }
   catch (const Aborted&)
   {
@@ -936,90 +932,85 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
 
   std::vector<vtkSmartPointer<vtkPolyData>> surfaces(grids.size());
   Eigen::AlignedBox3d box;
-  ranks.together([&] {
-    std::map<int, SurfaceBuilder> builders;
-    for (const Face& face : model.faces)
+  std::map<int, SurfaceBuilder> builders;
+  for (const Face& face : model.faces)
+  {
+    const ComplexBlock& block = complex.blocks[face.block];
+    if (face.part != Part::Wall || !model.isHere(face.block))
     {
-      const ComplexBlock& block = complex.blocks[face.block];
-      if (face.part != Part::Wall || !model.isHere(face.block))
-      {
-        continue;
-      }
-      const Ijk cells = cellsOf(face.block);
-      const int ns = cells[faceAxis(face.face, 0)] + 1, nt = cells[faceAxis(face.face, 1)] + 1;
-      std::vector<Vec3> points;
-      points.reserve(std::size_t(ns) * nt);
-      for (int t = 0; t < nt; ++t)
-      {
-        for (int s = 0; s < ns; ++s)
-        {
-          points.push_back(block.points(layerPoint(face, s, t, options.layer)));
-          box.extend(points.back());
-        }
-      }
-      if (!options.wall)
-      {
-        continue;
-      }
-      const std::vector<Vec3> normals = meshNormals(points, ns, nt, isOutward(face));
-      SurfaceBuilder& builder = builders[block.parent];
-      const std::array<int, 3>& whole = mesh.blocks[block.parent].points.counts();
-      const auto source = [&](int s, int t, bool cell) {
-        Ijk ijk = layerPoint(face, s, t, options.layer);
-        for (int d = 0; d < 3; ++d)
-        {
-          ijk[d] = block.offset[d] + (cell ? std::min(ijk[d], cells[d] - 1) : ijk[d]);
-        }
-        const int less = cell ? 1 : 0;
-        return ijk[0] + vtkIdType(whole[0] - less) * (ijk[1] + vtkIdType(whole[1] - less) * ijk[2]);
-      };
-      for (int t = 0; t < nt; ++t)
-      {
-        for (int s = 0; s < ns; ++s)
-        {
-          const std::size_t n = s + std::size_t(ns) * t;
-          builder.point(points[n], normals[n], source(s, t, false));
-        }
-      }
-      builder.quads(ns, nt, face.tag, [&](int s, int t) { return source(s, t, true); });
+      continue;
     }
-    for (auto& [block, builder] : builders)
+    const Ijk cells = cellsOf(face.block);
+    const int ns = cells[faceAxis(face.face, 0)] + 1, nt = cells[faceAxis(face.face, 1)] + 1;
+    std::vector<Vec3> points;
+    points.reserve(std::size_t(ns) * nt);
+    for (int t = 0; t < nt; ++t)
     {
-      surfaces[block] = builder.build(grids[block]);
+      for (int s = 0; s < ns; ++s)
+      {
+        points.push_back(block.points(layerPoint(face, s, t, options.layer)));
+        box.extend(points.back());
+      }
     }
-  });
+    if (!options.wall)
+    {
+      continue;
+    }
+    const std::vector<Vec3> normals = meshNormals(points, ns, nt, isOutward(face));
+    SurfaceBuilder& builder = builders[block.parent];
+    const std::array<int, 3>& whole = mesh.blocks[block.parent].points.counts();
+    const auto source = [&](int s, int t, bool cell) {
+      Ijk ijk = layerPoint(face, s, t, options.layer);
+      for (int d = 0; d < 3; ++d)
+      {
+        ijk[d] = block.offset[d] + (cell ? std::min(ijk[d], cells[d] - 1) : ijk[d]);
+      }
+      const int less = cell ? 1 : 0;
+      return ijk[0] + vtkIdType(whole[0] - less) * (ijk[1] + vtkIdType(whole[1] - less) * ijk[2]);
+    };
+    for (int t = 0; t < nt; ++t)
+    {
+      for (int s = 0; s < ns; ++s)
+      {
+        const std::size_t n = s + std::size_t(ns) * t;
+        builder.point(points[n], normals[n], source(s, t, false));
+      }
+    }
+    builder.quads(ns, nt, face.tag, [&](int s, int t) { return source(s, t, true); });
+  }
+  for (auto& [block, builder] : builders)
+  {
+    surfaces[block] = builder.build(grids[block]);
+  }
   box = sharedBox(box, ranks);
   parts.surfaces = treeOf(input, grids, surfaces);
   std::vector<std::array<double, 3>> drawn;
-  ranks.together([&] {
-    drawn = buildLines(
-      parts, model, options, box, false,
-      [&](const Face& face, std::array<int, 2>& counts) {
-        const Ijk cells = cellsOf(face.block);
-        counts = { cells[faceAxis(face.face, 0)] + 1, cells[faceAxis(face.face, 1)] + 1 };
-        std::vector<Vec3> points;
-        for (int t = 0; t < counts[1]; ++t)
+  drawn = buildLines(
+    parts, model, options, box, false,
+    [&](const Face& face, std::array<int, 2>& counts) {
+      const Ijk cells = cellsOf(face.block);
+      counts = { cells[faceAxis(face.face, 0)] + 1, cells[faceAxis(face.face, 1)] + 1 };
+      std::vector<Vec3> points;
+      for (int t = 0; t < counts[1]; ++t)
+      {
+        for (int s = 0; s < counts[0]; ++s)
         {
-          for (int s = 0; s < counts[0]; ++s)
-          {
-            points.push_back(at(face, s, t));
-          }
+          points.push_back(at(face, s, t));
         }
-        return points;
-      },
-      [&](int b, int edge) {
-        std::vector<Vec3> points;
-        Ijk ijk = cornerPoint(cellsOf(b), edgeCorner(edge, 0));
-        for (int n = 0; n <= cellsOf(b)[edgeDirection(edge)]; ++n)
-        {
-          ijk[edgeDirection(edge)] = n;
-          points.push_back(complex.blocks[b].points(ijk));
-        }
-        return points;
-      },
-      [&](
-        const Node& node) { return complex.blocks[node.block].points(cornerPoint(cellsOf(node.block), node.corner)); });
-  });
+      }
+      return points;
+    },
+    [&](int b, int edge) {
+      std::vector<Vec3> points;
+      Ijk ijk = cornerPoint(cellsOf(b), edgeCorner(edge, 0));
+      for (int n = 0; n <= cellsOf(b)[edgeDirection(edge)]; ++n)
+      {
+        ijk[edgeDirection(edge)] = n;
+        points.push_back(complex.blocks[b].points(ijk));
+      }
+      return points;
+    },
+    [&](const Node& node) { return complex.blocks[node.block].points(cornerPoint(cellsOf(node.block), node.corner)); });
   parts.legend = legendOf(model, drawn, options);
   parts.wallText = model.wallText;
 }
@@ -1086,91 +1077,86 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
 
   std::vector<vtkSmartPointer<vtkPolyData>> surfaces(volume.volumes.size());
   Eigen::AlignedBox3d box;
-  ranks.together([&] {
-    std::map<int, SurfaceBuilder> builders;
-    for (const Face& face : model.faces)
+  std::map<int, SurfaceBuilder> builders;
+  for (const Face& face : model.faces)
+  {
+    if (face.part != Part::Wall || !model.isHere(face.block))
     {
-      if (face.part != Part::Wall || !model.isHere(face.block))
-      {
-        continue;
-      }
-      const BSplineVolume& block = volume.volumes[face.block];
-      const FaceGeometry geometry = faceGeometry(block, face.face, subdivision, here, options.layer);
-      for (const Vec3& x : geometry.points)
-      {
-        box.extend(x);
-      }
-      if (!options.wall)
-      {
-        continue;
-      }
-      const auto found = builders.find(face.block);
-      SurfaceBuilder& builder = builders[face.block];
-      if (found == builders.end())
-      {
-        builder.curvatures();
-      }
-      const int ns = geometry.samples[0], nt = geometry.samples[1];
-      // The nearest control point, or the cell of the net between the nearest ones.
-      const auto source = [&](int s, int t, bool cell) {
-        Ijk ijk{};
-        const int last[2] = { ns - 1, nt - 1 };
-        const int here2[2] = { s, t };
-        for (int axis = 0; axis < 2; ++axis)
-        {
-          const int d = faceAxis(face.face, axis);
-          const int count = block.count(d) - (cell ? 1 : 0);
-          const double part =
-            last[axis] - (cell ? 1 : 0) > 0 ? double(here2[axis]) / (last[axis] - (cell ? 1 : 0)) : 0.0;
-          ijk[d] = std::min(count - 1, static_cast<int>(part * (count - 1) + 0.5));
-        }
-        const int across = faceDirection(face.face);
-        const int less = cell ? 1 : 0;
-        const int deepest = block.count(across) - 1 - less;
-        // Layer 1 is nearest to the third control point.
-        const int depth = std::min(options.layer == 0 ? 0 : options.layer + 1, deepest);
-        ijk[across] = faceSide(face.face) == 0 ? depth : deepest - depth;
-        return ijk[0] + vtkIdType(block.count(0) - less) * (ijk[1] + vtkIdType(block.count(1) - less) * ijk[2]);
-      };
-      for (int t = 0; t < nt; ++t)
-      {
-        for (int s = 0; s < ns; ++s)
-        {
-          const std::size_t n = s + std::size_t(ns) * t;
-          builder.point(geometry.points[n], geometry.normals[n], source(s, t, false));
-          builder.curvature(geometry.mean[n], geometry.gaussian[n]);
-        }
-      }
-      builder.quads(ns, nt, face.tag, [&](int s, int t) { return source(s, t, true); });
+      continue;
     }
-    for (auto& [block, builder] : builders)
+    const BSplineVolume& block = volume.volumes[face.block];
+    const FaceGeometry geometry = faceGeometry(block, face.face, subdivision, here, options.layer);
+    for (const Vec3& x : geometry.points)
     {
-      surfaces[block] = builder.build(volume.grids[block]);
+      box.extend(x);
     }
-  });
+    if (!options.wall)
+    {
+      continue;
+    }
+    const auto found = builders.find(face.block);
+    SurfaceBuilder& builder = builders[face.block];
+    if (found == builders.end())
+    {
+      builder.curvatures();
+    }
+    const int ns = geometry.samples[0], nt = geometry.samples[1];
+    // The nearest control point, or the cell of the net between the nearest ones.
+    const auto source = [&](int s, int t, bool cell) {
+      Ijk ijk{};
+      const int last[2] = { ns - 1, nt - 1 };
+      const int here2[2] = { s, t };
+      for (int axis = 0; axis < 2; ++axis)
+      {
+        const int d = faceAxis(face.face, axis);
+        const int count = block.count(d) - (cell ? 1 : 0);
+        const double part = last[axis] - (cell ? 1 : 0) > 0 ? double(here2[axis]) / (last[axis] - (cell ? 1 : 0)) : 0.0;
+        ijk[d] = std::min(count - 1, static_cast<int>(part * (count - 1) + 0.5));
+      }
+      const int across = faceDirection(face.face);
+      const int less = cell ? 1 : 0;
+      const int deepest = block.count(across) - 1 - less;
+      // Layer 1 is nearest to the third control point.
+      const int depth = std::min(options.layer == 0 ? 0 : options.layer + 1, deepest);
+      ijk[across] = faceSide(face.face) == 0 ? depth : deepest - depth;
+      return ijk[0] + vtkIdType(block.count(0) - less) * (ijk[1] + vtkIdType(block.count(1) - less) * ijk[2]);
+    };
+    for (int t = 0; t < nt; ++t)
+    {
+      for (int s = 0; s < ns; ++s)
+      {
+        const std::size_t n = s + std::size_t(ns) * t;
+        builder.point(geometry.points[n], geometry.normals[n], source(s, t, false));
+        builder.curvature(geometry.mean[n], geometry.gaussian[n]);
+      }
+    }
+    builder.quads(ns, nt, face.tag, [&](int s, int t) { return source(s, t, true); });
+  }
+  for (auto& [block, builder] : builders)
+  {
+    surfaces[block] = builder.build(volume.grids[block]);
+  }
   box = sharedBox(box, ranks);
   parts.surfaces = treeOf(input, volume.grids, surfaces);
   std::vector<std::array<double, 3>> drawn;
-  ranks.together([&] {
-    drawn = buildLines(
-      parts, model, options, box, true,
-      [&](const Face& face, std::array<int, 2>& counts) {
-        const FaceGeometry geometry = faceGeometry(volume.volumes[face.block], face.face, 1, here);
-        counts = geometry.samples;
-        return geometry.points;
-      },
-      [&](int b, int edge) { return edgeCurve(volume.volumes[b], edge, 4); },
-      [&](const Node& node) {
-        const BSplineVolume& block = volume.volumes[node.block];
-        Vec3 uvw;
-        for (int d = 0; d < 3; ++d)
-        {
-          const std::vector<double>& knots = block.knots[d];
-          uvw[d] = cornerSide(node.corner, d) == 0 ? knots[block.degree[d]] : knots[knots.size() - 1 - block.degree[d]];
-        }
-        return evaluate(block, uvw);
-      });
-  });
+  drawn = buildLines(
+    parts, model, options, box, true,
+    [&](const Face& face, std::array<int, 2>& counts) {
+      const FaceGeometry geometry = faceGeometry(volume.volumes[face.block], face.face, 1, here);
+      counts = geometry.samples;
+      return geometry.points;
+    },
+    [&](int b, int edge) { return edgeCurve(volume.volumes[b], edge, 4); },
+    [&](const Node& node) {
+      const BSplineVolume& block = volume.volumes[node.block];
+      Vec3 uvw;
+      for (int d = 0; d < 3; ++d)
+      {
+        const std::vector<double>& knots = block.knots[d];
+        uvw[d] = cornerSide(node.corner, d) == 0 ? knots[block.degree[d]] : knots[knots.size() - 1 - block.degree[d]];
+      }
+      return evaluate(block, uvw);
+    });
   parts.legend = legendOf(model, drawn, options);
   parts.wallText = model.wallText;
 }
@@ -1340,21 +1326,23 @@ void complexParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptio
 BlockParts blockParts(vtkDataObject* input, const BlockPartsOptions& options, const Execution& run)
 {
   BlockParts parts;
-  parts.isVolume = isVolume(input, *run.ranks);
   try
   {
-    if (isComplex(input, *run.ranks))
-    {
-      complexParts(parts, input, options, run);
-    }
-    else if (parts.isVolume)
-    {
-      volumeParts(parts, input, options, run);
-    }
-    else
-    {
-      meshParts(parts, input, options, run);
-    }
+    run.ranks->together([&] {
+      parts.isVolume = isVolume(input, *run.ranks);
+      if (isComplex(input, *run.ranks))
+      {
+        complexParts(parts, input, options, run);
+      }
+      else if (parts.isVolume)
+      {
+        volumeParts(parts, input, options, run);
+      }
+      else
+      {
+        meshParts(parts, input, options, run);
+      }
+    });
   }
   catch (const Error&)
   {

@@ -38,8 +38,18 @@ protected:
   {
     auto* input = vtkDataSet::GetData(inputs[0]);
     // All ranks subdivide alike, or cracks would open between their cells.
-    const std::vector<bsv::Index> counts =
-      bsv::globalRanks()->gatherAll(std::vector<bsv::Index>{ input ? input->GetNumberOfCells() : 0 });
+    std::vector<bsv::Index> counts;
+    try
+    {
+      const std::shared_ptr<const bsv::Ranks> ranks = bsv::globalRanks();
+      ranks->together(
+        [&] { counts = ranks->gatherAll(std::vector<bsv::Index>{ input ? input->GetNumberOfCells() : 0 }); });
+    }
+    catch (const bsv::Error& error)
+    {
+      vtkErrorMacro(<< error.what());
+      return 0;
+    }
     const bsv::Index cells = std::accumulate(counts.begin(), counts.end(), bsv::Index(0));
     const int most = !this->BySize || cells <= 3000 ? this->Level : cells <= 20000 ? 1 : 0;
     this->Superclass::SetNonlinearSubdivisionLevel(std::min(this->Level, most));

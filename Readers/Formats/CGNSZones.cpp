@@ -22,6 +22,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <new>
 
 namespace bsv
@@ -1572,6 +1573,13 @@ private:
   BlockMesh Mesh;
 };
 
+/// The CGNS library and HDF5 keep their state in static variables.
+std::mutex& libraryGuard()
+{
+  static std::mutex guard;
+  return guard;
+}
+
 } // namespace
 
 bool looksLikeCGNS(const std::string& fileName)
@@ -1590,11 +1598,13 @@ bool looksLikeCGNS(const std::string& fileName)
 CGNSZones loadCGNS(
   const std::string& fileName, const Execution& run, const Piece& piece, const BlockMemory& memory, int step)
 {
+  const std::lock_guard<std::mutex> lock(libraryGuard());
   return CGNSReader(fileName, run, piece, memory, step).read();
 }
 
 std::vector<double> loadCGNSTimes(const std::string& fileName)
 {
+  const std::lock_guard<std::mutex> lock(libraryGuard());
   return CGNSReader(fileName, {}, {}, {}, 0).times();
 }
 
@@ -1613,7 +1623,7 @@ std::vector<double> cgnsTimes(const std::string& fileName)
 CGNSZones readCGNS(const std::string& fileName, const Execution& run, const Piece& piece, int step)
 {
   CGNSZones zones;
-  run.ranks->together([&] { zones = loadCGNSApart(fileName, run, piece, step); });
+  zones = loadCGNSApart(fileName, run, piece, step);
   BlockMesh mesh;
   for (const GridBlock& block : zones.blocks)
   {

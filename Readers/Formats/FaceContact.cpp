@@ -191,24 +191,23 @@ void checkContacts(BlockMesh mesh, const std::vector<DeclaredContact>& contacts,
     wanted, static_cast<int>(mesh.blocks.size()), [&](int block) { return mesh.blocks[block].rank; },
     [&](int block) -> GridView& { return mesh.blocks[block].points; }, ranks);
 
-  ranks.together([&] {
-    for (std::size_t i = 0; i < contacts.size(); ++i)
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+  {
+    const Interface& c = contacts[i].contact;
+    if (!isHere(c.blockA) || (ranks.size() == 1 && !isHere(c.blockB)))
     {
-      const Interface& c = contacts[i].contact;
-      if (!isHere(c.blockA) || (ranks.size() == 1 && !isHere(c.blockB)))
-      {
-        continue;
-      }
-      try
-      {
-        checkContact(mesh, c);
-      }
-      catch (const Error& error)
-      {
-        throw ErrorAt(static_cast<Index>(i), contacts[i].where + ": " + error.what());
-      }
+      continue;
     }
-  });
+    try
+    {
+      checkContact(mesh, c);
+    }
+    catch (const Error& error)
+    {
+      throw ErrorAt(static_cast<Index>(i), contacts[i].where + ": " + error.what());
+    }
+  }
+  ranks.nextStep();
 }
 
 void checkRange(const BlockMesh& mesh, const DirectedRange& range)

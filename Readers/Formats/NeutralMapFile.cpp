@@ -374,7 +374,7 @@ void readNeutralMap(
   const std::string& fileName, BlockMesh& mesh, std::vector<std::string>& warnings, const Execution& run)
 {
   std::vector<DeclaredContact> contacts;
-  run.ranks->together([&] { contacts = NeutralMapReader(fileName, mesh).read(warnings); });
+  contacts = NeutralMapReader(fileName, mesh).read(warnings);
   checkContacts(mesh, contacts, *run.ranks);
 }
 

@@ -289,6 +289,12 @@ def test_one_rank_fails():
     compare_blocks(converted(part(whole, rank_of)).GetOutputDataObject(0), serial.GetOutputDataObject(0), "afterwards")
 
 
+def test_ranks_with_different_properties():
+    if RANKS > 1:
+        text = failure(part(demo(), [b % RANKS for b in range(11)]), lambda convert: convert.SetCreaseAngle(30.0 + RANK))
+        assert RANK > 0 or "rank 0 has 'CreaseAngle: 30', rank 1 has 'CreaseAngle: 31'" in text, text
+
+
 def test_one_rank_aborts():
     whole = demo()
     rank_of = [b % RANKS for b in range(11)]

@@ -2,6 +2,7 @@
 """Readers and the wing source on several MPI ranks, each of which reads the piece of its own number: together they have
 what one process alone reads, and they end together. Run with pvbatch --sym on any number of ranks.
 """
+import contextlib
 import os
 import shutil
 import struct
@@ -66,6 +67,17 @@ def refused(source):
     return text
 
 
+@contextlib.contextmanager
+def inside(folder):
+    """File names are relative to it: the same for all ranks, who see different files."""
+    before = os.getcwd()
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(before)
+
+
 def write(folder):
     """A mesh with a neutral map and its volume, by the first rank."""
     if RANK == 0:
@@ -101,6 +113,26 @@ def test_wing():
     assert source.GetOutputDataObject(1).GetNumberOfPoints() == whole.GetOutputDataObject(1).GetNumberOfPoints() > 0
 
 
+def test_body_is_read_again():
+    with shared_folder() as folder:
+        path = os.path.join(folder, "body.g2")
+        if RANK == 0:
+            with Alone():
+                source = bsplinevolume.vtkWingFuselageSource()
+                source.SetResolution(2)
+                writer = bsplinevolume.vtkNURBSSurfaceWriter()
+                writer.SetInputConnection(source.GetOutputPort(1))
+                writer.SetFileName(path)
+                assert writer.Write()
+        total(0)
+        source = reader("NURBSSurface", path)
+        for _ in range(2):
+            source.Modified()
+            source.UpdatePiece(RANK, RANKS, 0)
+            count = source.GetOutputDataObject(0).GetNumberOfPartitionedDataSets()
+            assert total(count) == RANKS * count > 0
+
+
 def test_one_rank_fails():
     with shared_folder() as folder:
         write(folder)
@@ -118,13 +150,15 @@ def test_one_rank_fails():
         total(0)
         text = refused(reader("HexBlockMesh", broken))
         assert RANK > 0 or text.count("'block 11'") == 1 and "nan" in text, text
-        text = refused(reader("HexBlockMesh", os.path.join(folder, "missing") if RANK == LAST else path))
+        with inside("/" if RANK == LAST else folder):
+            text = refused(reader("HexBlockMesh", "demo.xyz"))
         assert RANK > 0 or text.count("no such file") == 1, text
         text = refused(reader("NURBSSurface", os.path.join(folder, "missing")))
         assert RANK > 0 or text.count("missing") == 1, text
         if RANKS > 1:
             # The others see a neutral map beside the mesh.
-            text = refused(reader("HexBlockMesh", unmapped if RANK == LAST else path))
+            with inside(os.path.dirname(unmapped) if RANK == LAST else folder):
+                text = refused(reader("HexBlockMesh", "demo.xyz"))
             assert RANK > 0 or text.count("demo.nmf: no such file") == 1, text
         compare(lambda: reader("HexBlockMesh", path))
 

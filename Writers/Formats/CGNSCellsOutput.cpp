@@ -171,59 +171,51 @@ void writeCGNSCells(
   const Ranks& ranks = *run.ranks;
   std::unique_ptr<CGNSFile> output;
   std::unique_ptr<CellWriter> writer;
-  ranks.together([&] {
-    if (ranks.rank() == 0)
+  if (ranks.rank() == 0)
+  {
+    const double nodes = cells.order() == 2 ? 27.0 : 64.0;
+    double numbers = nodes * static_cast<double>(cells.cellCount());
+    for (const BoundaryPatch& patch : cells.volume().boundaries)
     {
-      const double nodes = cells.order() == 2 ? 27.0 : 64.0;
-      double numbers = nodes * static_cast<double>(cells.cellCount());
-      for (const BoundaryPatch& patch : cells.volume().boundaries)
-      {
-        numbers += nodes * static_cast<double>(cells.quadCount(patch));
-      }
-      // A zone, its coordinates and cells; a family, sides and a boundary condition for every name.
-      output = std::make_unique<CGNSFile>(file,
-        24.0 * static_cast<double>(cells.numbers().count()) + sizeof(cgsize_t) * numbers,
-        24.0 + 12.0 * static_cast<double>(cells.volume().boundaryNames.size()));
-      writer = std::make_unique<CellWriter>(cells, *output);
-      writer->begin(lengthUnit, notes);
+      numbers += nodes * static_cast<double>(cells.quadCount(patch));
     }
-  });
+    // A zone, its coordinates and cells; a family, sides and a boundary condition for every name.
+    output =
+      std::make_unique<CGNSFile>(file, 24.0 * static_cast<double>(cells.numbers().count()) + sizeof(cgsize_t) * numbers,
+        24.0 + 12.0 * static_cast<double>(cells.volume().boundaryNames.size()));
+    writer = std::make_unique<CellWriter>(cells, *output);
+    writer->begin(lengthUnit, notes);
+  }
   const PointNumbering& numbers = cells.numbers();
   for (int b = 0; b < cells.blockCount(); ++b)
   {
     const int owner = cells.volume().volumes[b].rank;
     const double done = 0.8 * static_cast<double>(cells.firstCell(b)) / (static_cast<double>(cells.cellCount()) + 1.0);
     std::vector<double> values;
-    ranks.together([&] {
-      run.report(done);
-      if (owner == ranks.rank())
-      {
-        Execution quiet = run;
-        quiet.progress = [](double) { return true; };
-        const std::vector<double> all = cells.positions(b, quiet);
-        const Ijk counts = cells.nodes(b);
-        numbers.forFirst(b, [&](const Ijk& p) {
-          const double* x = all.data() + 3 * (p[0] + Index(counts[0]) * (p[1] + Index(counts[1]) * p[2]));
-          values.insert(values.end(), x, x + 3);
-        });
-      }
-    });
+    run.report(done);
+    if (owner == ranks.rank())
+    {
+      Execution quiet = run;
+      quiet.progress = [](double) { return true; };
+      const std::vector<double> all = cells.positions(b, quiet);
+      const Ijk counts = cells.nodes(b);
+      numbers.forFirst(b, [&](const Ijk& p) {
+        const double* x = all.data() + 3 * (p[0] + Index(counts[0]) * (p[1] + Index(counts[1]) * p[2]));
+        values.insert(values.end(), x, x + 3);
+      });
+    }
     values = onFirstRank(ranks, owner, std::move(values));
-    ranks.together([&] {
-      if (writer)
-      {
-        writer->nodes(b, values, [&] { run.report(done); });
-      }
-    });
-  }
-  ranks.together([&] {
     if (writer)
     {
-      writer->cells(run);
-      writer->boundaries();
-      output->close();
+      writer->nodes(b, values, [&] { run.report(done); });
     }
-  });
+  }
+  if (writer)
+  {
+    writer->cells(run);
+    writer->boundaries();
+    output->close();
+  }
 }
 
 } // namespace bsv

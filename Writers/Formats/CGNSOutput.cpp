@@ -209,24 +209,19 @@ void writeCoordinates(
   {
     const int end = std::min(k + step, block.counts[2]);
     std::vector<Real> values;
-    ranks.together([&] {
-      run.report((done + static_cast<double>(layer * k)) / total);
-      if (block.rank == ranks.rank())
-      {
-        values = layers<Real>(block, k, end);
-      }
-    });
+    run.report((done + static_cast<double>(layer * k)) / total);
+    if (block.rank == ranks.rank())
+    {
+      values = layers<Real>(block, k, end);
+    }
     if (block.rank != 0)
     {
       std::vector<std::vector<Real>> toRank(ranks.size());
       toRank[0] = std::move(values);
       values = std::move(ranks.exchange(std::move(toRank))[block.rank]);
     }
-    ranks.together([&] {
-      if (ranks.rank() != 0)
-      {
-        return;
-      }
+    if (ranks.rank() == 0)
+    {
       const std::array<cgsize_t, 3> first{ 1, 1, k + 1 };
       const std::array<cgsize_t, 3> last{ block.counts[0], block.counts[1], end };
       for (int c = 0; c < 3; ++c)
@@ -237,7 +232,7 @@ void writeCoordinates(
                       last.data(), values.data() + c * (values.size() / 3), &index),
           Axes[c]);
       }
-    });
+    }
   }
 }
 
@@ -247,18 +242,16 @@ void writeCGNS(const MeshToWrite& mesh, AtomicFile& file, const Execution& run, 
 {
   const Ranks& ranks = *run.ranks;
   std::unique_ptr<CGNSFile> output;
-  ranks.together([&] {
-    if (ranks.rank() == 0)
-    {
-      // Zones with coordinates, both sides of the interfaces, families and boundary conditions.
-      const double nodes = 8.0 + 10.0 * static_cast<double>(mesh.blocks.size()) +
-        8.0 * static_cast<double>(mesh.interfaces.size()) + 2.0 * static_cast<double>(mesh.boundaryNames.size()) +
-        4.0 * static_cast<double>(mesh.boundaries.size());
-      output = std::make_unique<CGNSFile>(
-        file, static_cast<double>(mesh.pointCount()) * (mesh.isFloat() ? 12.0 : 24.0), nodes);
-      StructureWriter(mesh, *output, notes).write(notes);
-    }
-  });
+  if (ranks.rank() == 0)
+  {
+    // Zones with coordinates, both sides of the interfaces, families and boundary conditions.
+    const double nodes = 8.0 + 10.0 * static_cast<double>(mesh.blocks.size()) +
+      8.0 * static_cast<double>(mesh.interfaces.size()) + 2.0 * static_cast<double>(mesh.boundaryNames.size()) +
+      4.0 * static_cast<double>(mesh.boundaries.size());
+    output =
+      std::make_unique<CGNSFile>(file, static_cast<double>(mesh.pointCount()) * (mesh.isFloat() ? 12.0 : 24.0), nodes);
+    StructureWriter(mesh, *output, notes).write(notes);
+  }
   double done = 0.0;
   const double total = static_cast<double>(mesh.pointCount()) + 1.0;
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
@@ -267,12 +260,10 @@ void writeCGNS(const MeshToWrite& mesh, AtomicFile& file, const Execution& run, 
                                     : writeCoordinates<double>(mesh, b, output.get(), run, done, total);
     done += static_cast<double>(mesh.blocks[b].size());
   }
-  ranks.together([&] {
-    if (output)
-    {
-      output->close();
-    }
-  });
+  if (output)
+  {
+    output->close();
+  }
 }
 
 } // namespace bsv

@@ -88,13 +88,11 @@ void writeGismo(const VolumeToWrite& volume, AtomicFile& file, const Execution& 
 {
   const int blocks = static_cast<int>(volume.volumes.size());
   const auto onFirst = [&](const auto& write) {
-    run.ranks->together([&] {
-      if (run.ranks->rank() == 0)
-      {
-        TextOutput out(file);
-        write(out);
-      }
-    });
+    if (run.ranks->rank() == 0)
+    {
+      TextOutput out(file);
+      write(out);
+    }
   };
   onFirst([&](TextOutput& out) {
     out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<xml>\n <MultiPatch parDim=\"3\" id=\"0\">\n"

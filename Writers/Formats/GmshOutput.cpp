@@ -107,13 +107,11 @@ private:
   template <typename Write>
   void onFirst(const Write& write)
   {
-    this->Run.ranks->together([&] {
-      if (this->Run.ranks->rank() == 0)
-      {
-        TextOutput out(this->File);
-        write(out);
-      }
-    });
+    if (this->Run.ranks->rank() == 0)
+    {
+      TextOutput out(this->File);
+      write(out);
+    }
   }
 
   int physical(const BoundaryPatch& patch) const

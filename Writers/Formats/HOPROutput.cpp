@@ -430,46 +430,38 @@ void writeHOPR(const CurvedCells& cells, AtomicFile& file, const Execution& run)
   const Ranks& ranks = *run.ranks;
   std::unique_ptr<HDF5File> output;
   std::unique_ptr<HOPRWriter> writer;
-  ranks.together([&] {
-    if (ranks.rank() == 0)
-    {
-      const double perCell = std::pow(cells.order() + 1.0, 3);
-      // The arrays, and no less than HDF5 takes beside them: it cannot let go of what it may not write (RLIMIT_FSIZE).
-      output = std::make_unique<HDF5File>(file,
-        (28.0 * perCell + 176.0) * static_cast<double>(cells.cellCount()) +
-          300.0 * static_cast<double>(cells.volume().boundaryNames.size()) + 65536.0);
-      writer = std::make_unique<HOPRWriter>(cells, *output);
-      writer->begin();
-    }
-  });
+  if (ranks.rank() == 0)
+  {
+    const double perCell = std::pow(cells.order() + 1.0, 3);
+    // The arrays, and no less than HDF5 takes beside them: it cannot let go of what it may not write (RLIMIT_FSIZE).
+    output = std::make_unique<HDF5File>(file,
+      (28.0 * perCell + 176.0) * static_cast<double>(cells.cellCount()) +
+        300.0 * static_cast<double>(cells.volume().boundaryNames.size()) + 65536.0);
+    writer = std::make_unique<HOPRWriter>(cells, *output);
+    writer->begin();
+  }
   for (int b = 0; b < cells.blockCount(); ++b)
   {
     const int owner = cells.volume().volumes[b].rank;
     std::vector<double> positions;
-    ranks.together([&] {
-      run.report(static_cast<double>(cells.firstCell(b)) / (static_cast<double>(cells.cellCount()) + 1.0));
-      if (owner == ranks.rank())
-      {
-        Execution quiet = run;
-        quiet.progress = [](double) { return true; };
-        positions = cells.positions(b, quiet);
-      }
-    });
+    run.report(static_cast<double>(cells.firstCell(b)) / (static_cast<double>(cells.cellCount()) + 1.0));
+    if (owner == ranks.rank())
+    {
+      Execution quiet = run;
+      quiet.progress = [](double) { return true; };
+      positions = cells.positions(b, quiet);
+    }
     positions = onFirstRank(ranks, owner, std::move(positions));
-    ranks.together([&] {
-      if (writer)
-      {
-        writer->topology(b);
-        writer->coordinates(b, positions);
-      }
-    });
-  }
-  ranks.together([&] {
     if (writer)
     {
-      output->close();
+      writer->topology(b);
+      writer->coordinates(b, positions);
     }
-  });
+  }
+  if (writer)
+  {
+    output->close();
+  }
 }
 
 } // namespace bsv

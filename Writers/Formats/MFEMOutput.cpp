@@ -227,7 +227,7 @@ void writeMFEM(VolumeToWrite volume, AtomicFile& file, const Execution& run, std
       throw Error(volume.label(at[0]) + " meets itself or a neighbour more than once, also after " +
         std::to_string(MostCuts) + " cuts, and MFEM knows faces by their vertices alone");
     }
-    run.ranks->together([&] { cutSheet(volume, at[0], at[1]); });
+    cutSheet(volume, at[0], at[1]);
     shared = entitiesOf(volume);
   }
   if (cuts > 0 && run.ranks->rank() == 0)
@@ -239,11 +239,8 @@ void writeMFEM(VolumeToWrite volume, AtomicFile& file, const Execution& run, std
   }
   KnotClasses classes(volume);
 
-  run.ranks->together([&] {
-    if (run.ranks->rank() != 0)
-    {
-      return;
-    }
+  if (run.ranks->rank() == 0)
+  {
     TextOutput out(file);
     out << "MFEM NURBS mesh v1.0\n#\n";
     int before = -1;
@@ -289,7 +286,7 @@ void writeMFEM(VolumeToWrite volume, AtomicFile& file, const Execution& run, std
           << edge.vertices[against ? 0 : 1] << "\n";
     }
     out << "\nvertices\n" << shared.vertices << "\n\npatches\n";
-  });
+  }
   std::vector<FilePart> parts;
   for (std::size_t b = 0; b < volume.volumes.size(); ++b)
   {

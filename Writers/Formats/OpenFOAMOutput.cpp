@@ -129,13 +129,11 @@ private:
   template <typename Write>
   void onFirst(AtomicFile& file, const Write& write) const
   {
-    this->Run.ranks->together([&] {
-      if (this->Run.ranks->rank() == 0)
-      {
-        TextOutput out(file);
-        write(out);
-      }
-    });
+    if (this->Run.ranks->rank() == 0)
+    {
+      TextOutput out(file);
+      write(out);
+    }
   }
 
   void header(AtomicFile& file, const std::string& kind, const std::string& object, bool counts = false) const
@@ -449,13 +447,11 @@ void writeOpenFOAM(const MeshToWrite& mesh, FileGroup& files, const std::string&
   const Execution& run, std::vector<std::string>& notes)
 {
   const std::string folder = (std::filesystem::path(path).parent_path() / "constant" / "polyMesh" / "").string();
-  run.ranks->together([&] {
-    std::error_code failure;
-    if (run.ranks->rank() == 0 && !std::filesystem::create_directories(folder, failure) && failure)
-    {
-      throw FileError("Cannot create the folder '" + folder + "'", failure.value());
-    }
-  });
+  std::error_code failure;
+  if (run.ranks->rank() == 0 && !std::filesystem::create_directories(folder, failure) && failure)
+  {
+    throw FileError("Cannot create the folder '" + folder + "'", failure.value());
+  }
   CaseWriter output(mesh, binary, run);
   output.write(files, folder);
   // What ParaView opens.

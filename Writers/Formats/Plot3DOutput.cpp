@@ -202,30 +202,28 @@ void writePlot3D(const MeshToWrite& mesh, AtomicFile& file, const Plot3DOutputOp
         OutputBuffer& out, const PartReport& report) { writeBlock(out, block, options, isFloat, bytes, report); },
       size });
   }
-  run.ranks->together([&] {
-    if (run.ranks->rank() == 0)
+  if (run.ranks->rank() == 0)
+  {
+    NumberOutput out(file, options, isFloat);
+    const int blocks = static_cast<int>(mesh.blocks.size());
+    out.integers(&blocks, 1);
+    if (options.encoding == MeshEncoding::Text)
     {
-      NumberOutput out(file, options, isFloat);
-      const int blocks = static_cast<int>(mesh.blocks.size());
-      out.integers(&blocks, 1);
-      if (options.encoding == MeshEncoding::Text)
+      for (const BlockToWrite& block : mesh.blocks)
       {
-        for (const BlockToWrite& block : mesh.blocks)
-        {
-          out.integers(block.counts.data(), 3);
-        }
-      }
-      else
-      {
-        std::vector<int> counts;
-        for (const BlockToWrite& block : mesh.blocks)
-        {
-          counts.insert(counts.end(), block.counts.begin(), block.counts.end());
-        }
-        out.integers(counts.data(), static_cast<int>(counts.size()));
+        out.integers(block.counts.data(), 3);
       }
     }
-  });
+    else
+    {
+      std::vector<int> counts;
+      for (const BlockToWrite& block : mesh.blocks)
+      {
+        counts.insert(counts.end(), block.counts.begin(), block.counts.end());
+      }
+      out.integers(counts.data(), static_cast<int>(counts.size()));
+    }
+  }
   writeParts(file, parts, run);
 }
 
@@ -256,11 +254,8 @@ void writeNeutralMap(const MeshToWrite& mesh, AtomicFile& file, const Execution&
       name = "'" + name + "'";
     }
   }
-  run.ranks->together([&] {
-    if (run.ranks->rank() != 0)
-    {
-      return;
-    }
+  if (run.ranks->rank() == 0)
+  {
     TextOutput out(file);
     out << "# Neutral map: blocks, then contacts and boundaries.\n"
         << "# Faces 1 k min, 2 k max, 3 i min, 4 i max, 5 j min, 6 j max.\n"
@@ -294,7 +289,7 @@ void writeNeutralMap(const MeshToWrite& mesh, AtomicFile& file, const Execution&
         out << names[patch.tag] << mapRange(patch.block, patch.face, patch.range.lo, patch.range.hi) << "\n";
       }
     }
-  });
+  }
 }
 
 } // namespace bsv

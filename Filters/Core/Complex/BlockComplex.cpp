@@ -152,7 +152,7 @@ public:
     , Creases(mesh, this->Surface, this->Links, this->Check.leftHanded, options.creaseAngle, rules, *run.ranks)
     , Cuts(cutPositions(mesh, this->Surface, this->Links, this->Creases, run))
   {
-    this->report(0.85);
+    this->Run.report(0.85);
   }
 
   const std::vector<TurningEdge>& turning() const { return this->Creases.turning(); }
@@ -167,21 +167,17 @@ public:
     this->makeFaces();
     this->makeVerticesAndEdges();
     this->refuseCrowds();
-    this->report(0.9);
+    this->Run.report(0.9);
     this->fetchContacts();
     this->refuseFoldedContacts();
+    this->Ranks.nextStep();
     this->weld();
     this->tell();
-    this->report(1.0);
+    this->Run.report(1.0);
     return std::move(this->Result);
   }
 
 private:
-  void report(double fraction) const
-  {
-    this->Ranks.together([&] { this->Run.report(fraction); });
-  }
-
   /// The caller's execution with its progress in [0, 1] told as one of [from, to].
   Execution part(double from, double to) const
   {
@@ -538,11 +534,6 @@ private:
 
   /// Two blocks on the same side of their contact lie in each other.
   void refuseFoldedContacts() const
-  {
-    this->Ranks.together([&] { this->refuseFoldedContactsHere(); });
-  }
-
-  void refuseFoldedContactsHere() const
   {
     const Index count = static_cast<Index>(this->Result.faces.size());
     std::vector<char> folded(count, false);

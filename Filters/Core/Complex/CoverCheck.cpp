@@ -30,33 +30,30 @@ void CoverCheck::operator()(const std::vector<Index>& single) const
   std::vector<Index> cover;
   Index first = -1;
   Index covered = 0;
-  this->Ranks.together([&] {
-    cover = this->covers(single);
-    for (Index n = static_cast<Index>(single.size()) - 1; n >= 0; --n)
+  cover = this->covers(single);
+  for (Index n = static_cast<Index>(single.size()) - 1; n >= 0; --n)
+  {
+    if (cover[n] >= 0)
     {
-      if (cover[n] >= 0)
-      {
-        first = n;
-        ++covered;
-      }
+      first = n;
+      ++covered;
     }
-  });
+  }
   Index onAllRanks = 0;
   for (Index part : this->Ranks.gatherAll(std::vector<Index>{ covered }))
   {
     onAllRanks += part;
   }
-  this->Ranks.together([&] {
-    if (covered > 0)
-    {
-      const QuadAt a = this->Surface.quadAt(single[first]);
-      const QuadAt b = this->Surface.quadAt(cover[first]);
-      throw ErrorAt(single[first],
-        "non-matching interface: " + this->where(a) + " and " + this->where(b) + " cover each other near " +
-          text(this->center(a)) + " but do not share their points (" + std::to_string(onAllRanks) +
-          " such quadrilaterals); declare them as boundaries if they are no contact");
-    }
-  });
+  if (covered > 0)
+  {
+    const QuadAt a = this->Surface.quadAt(single[first]);
+    const QuadAt b = this->Surface.quadAt(cover[first]);
+    throw ErrorAt(single[first],
+      "non-matching interface: " + this->where(a) + " and " + this->where(b) + " cover each other near " +
+        text(this->center(a)) + " but do not share their points (" + std::to_string(onAllRanks) +
+        " such quadrilaterals); declare them as boundaries if they are no contact");
+  }
+  this->Ranks.nextStep();
 }
 
 std::vector<Index> CoverCheck::covers(const std::vector<Index>& single) const

@@ -21,27 +21,22 @@ public:
   void glue()
   {
     DeclaredContacts{ *this }();
-    this->report(0.2);
+    this->Run.report(0.2);
     // Collapsed quadrilaterals, where allowed, must be told from the others one by one.
     if (this->Options.findInterfaces && !this->Options.allowDegenerate)
     {
       WholeFaces{ *this }();
     }
-    this->report(0.4);
+    this->Run.report(0.4);
     if (this->Options.findInterfaces)
     {
       this->search();
     }
     this->Result.close();
-    this->report(1.0);
+    this->Run.report(1.0);
   }
 
 private:
-  void report(double fraction) const
-  {
-    this->Ranks.together([&] { this->Run.report(fraction); });
-  }
-
   /// Finds what the undecided quadrilaterals meet; those that meet nothing stay undecided.
   void search()
   {
@@ -56,21 +51,21 @@ private:
     const Contacts before = this->Result;
     std::vector<Index> single;
     const auto pair = [&] {
-      this->Ranks.together([&] { classes.pairQuads(known); });
+      classes.pairQuads(known);
       shareContacts(this->Result, before, known, this->Surface, this->Part, this->Ranks);
       single = this->undecided(known);
     };
-    this->Ranks.together([&] { classes.mergeEqualPoints(known); });
+    classes.mergeEqualPoints(known);
+    this->Ranks.nextStep();
     pair();
-    this->report(0.6);
-    bool merged = false;
-    this->Ranks.together([&] { merged = classes.mergeNearPoints(known, single); });
+    this->Run.report(0.6);
+    const bool merged = classes.mergeNearPoints(known, single);
     if (this->Ranks.any(merged))
     {
       this->Result = before;
       pair();
     }
-    this->report(0.8);
+    this->Run.report(0.8);
     CoverCheck{ *this, classes }(single);
   }
 

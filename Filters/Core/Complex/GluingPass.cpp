@@ -109,16 +109,14 @@ std::vector<GluingPass::Comparison> GluingPass::compare(const std::vector<Interf
   }
   this->Part.fetch(wanted);
   std::vector<Comparison> results(contacts.size());
-  this->Ranks.together([&] {
-    this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
+  this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
+    for (Index n = begin; n < end; ++n)
+    {
+      if (this->Part.isHere(contacts[n].blockA))
       {
-        if (this->Part.isHere(contacts[n].blockA))
-        {
-          results[n] = this->compare(contacts[n], bitsOnly);
-        }
+        results[n] = this->compare(contacts[n], bitsOnly);
       }
-    });
+    }
   });
   this->Ranks.share(results, [&](Index n) { return this->Part.rankOf(contacts[n].blockA); });
   return results;

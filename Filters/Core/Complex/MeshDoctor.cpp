@@ -229,26 +229,21 @@ public:
   {
     this->Result.findingOfQuad.resize(this->Complex.faces.size());
     this->makeTiles();
-    this->report(0.4);
+    this->Run.report(0.4);
     this->findPairs();
-    this->report(0.6);
+    this->Run.report(0.6);
     this->judgePairs();
-    this->report(0.7);
+    this->Run.report(0.7);
     this->findOverlaps();
-    this->report(0.9);
+    this->Run.report(0.9);
     this->findInnerBoundaries();
     this->findComponents();
     this->sortFindings();
-    this->report(1.0);
+    this->Run.report(1.0);
     return std::move(this->Result);
   }
 
 private:
-  void report(double fraction) const
-  {
-    this->Others.together([&] { this->Run.report(fraction); });
-  }
-
   bool isHere(int face) const { return this->Surface.rankOf(face) == this->Others.rank(); }
 
   /// @name Tiles

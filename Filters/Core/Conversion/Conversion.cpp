@@ -57,15 +57,12 @@ void placeExtension(const ConversionContext& context, const LocalStars& stars, F
       }
     });
   };
-  run.ranks->together([&] {
-    forEach(
-      faces, [&](int face) { return stars.hasFace(face); }, [&](int face) { convertFace(context, face); });
-    forEach(
-      edges, [&](int edge) { return stars.hasEdge(edge); }, [&](int edge) { convertEdge(context, edge); });
-    forEach(
-      vertices, [&](int vertex) { return stars.hasVertex(vertex); },
-      [&](int vertex) { convertVertex(context, vertex); });
-  });
+  forEach(
+    faces, [&](int face) { return stars.hasFace(face); }, [&](int face) { convertFace(context, face); });
+  forEach(
+    edges, [&](int edge) { return stars.hasEdge(edge); }, [&](int edge) { convertEdge(context, edge); });
+  forEach(
+    vertices, [&](int vertex) { return stars.hasVertex(vertex); }, [&](int vertex) { convertVertex(context, vertex); });
 
   const auto lastDistance = [&](const FaceUse& use, int s, int t, const Vec3& normal) {
     const ComplexBlock& owner = context.complex.blocks[use.block];
@@ -184,49 +181,41 @@ Index convertAll(const ConversionContext& context, const LocalStars& stars, cons
   const Index slabs = context.options.wallOnly ? 0 : firstSlab.back();
   for (Index portion = 0; portion < Portions; ++portion)
   {
-    run.ranks->together([&] {
-      const Index from = slabs * portion / Portions;
-      const Index to = slabs * (portion + 1) / Portions;
-      run.report(0.5 * portion / Portions);
-      run.parallelFor(to - from, 4, [&](Index begin, Index end) {
-        for (Index slab = from + begin; slab < from + end; ++slab)
-        {
-          const auto next = std::upper_bound(firstSlab.begin(), firstSlab.end(), slab);
-          const int block = static_cast<int>(next - firstSlab.begin()) - 1;
-          convertBlock(context, block, static_cast<int>(slab - firstSlab[block]) + 1, stream);
-        }
-        endStream();
-      });
+    const Index from = slabs * portion / Portions;
+    const Index to = slabs * (portion + 1) / Portions;
+    run.report(0.5 * portion / Portions);
+    run.parallelFor(to - from, 4, [&](Index begin, Index end) {
+      for (Index slab = from + begin; slab < from + end; ++slab)
+      {
+        const auto next = std::upper_bound(firstSlab.begin(), firstSlab.end(), slab);
+        const int block = static_cast<int>(next - firstSlab.begin()) - 1;
+        convertBlock(context, block, static_cast<int>(slab - firstSlab[block]) + 1, stream);
+      }
+      endStream();
     });
   }
-  run.ranks->together([&] {
-    run.report(0.5);
-    forEach(context.complex.faces.size(), 4, [&](int face) {
-      if (stars.hasFace(face) && touchesWall(context.complex.faces[face]))
-      {
-        convertFace(context, face);
-      }
-    });
+  run.report(0.5);
+  forEach(context.complex.faces.size(), 4, [&](int face) {
+    if (stars.hasFace(face) && touchesWall(context.complex.faces[face]))
+    {
+      convertFace(context, face);
+    }
   });
-  run.ranks->together([&] {
-    run.report(0.7);
-    forEach(context.complex.edges.size(), 4, [&](int edge) {
-      const std::array<int, 2>& ends = context.complex.edges[edge].vertices;
-      if (stars.hasEdge(edge) && (atWall[ends[0]] || atWall[ends[1]]))
-      {
-        convertEdge(context, edge);
-      }
-    });
+  run.report(0.7);
+  forEach(context.complex.edges.size(), 4, [&](int edge) {
+    const std::array<int, 2>& ends = context.complex.edges[edge].vertices;
+    if (stars.hasEdge(edge) && (atWall[ends[0]] || atWall[ends[1]]))
+    {
+      convertEdge(context, edge);
+    }
   });
-  run.ranks->together([&] {
-    run.report(0.85);
-    forEach(context.complex.vertices.size(), 4, [&](int vertex) {
-      if (stars.hasVertex(vertex) && atWall[vertex])
-      {
-        const bool singular = convertVertex(context, vertex);
-        singularNodes += singular && context.isHere(context.complex.vertices[vertex].corners.front().block) ? 1 : 0;
-      }
-    });
+  run.report(0.85);
+  forEach(context.complex.vertices.size(), 4, [&](int vertex) {
+    if (stars.hasVertex(vertex) && atWall[vertex])
+    {
+      const bool singular = convertVertex(context, vertex);
+      singularNodes += singular && context.isHere(context.complex.vertices[vertex].corners.front().block) ? 1 : 0;
+    }
   });
   return singularNodes;
 }
@@ -238,19 +227,17 @@ void countAll(const ConversionContext& context, Index singularNodes, const Execu
   const std::vector<std::array<bool, 3>> doubled = context.options.continuity == Continuity::ExactG1
     ? doubleKnotDirections(context.complex, context.options)
     : std::vector<std::array<bool, 3>>(counts.size());
-  run.ranks->together([&] {
-    run.report(0.95);
-    run.parallelFor(static_cast<Index>(counts.size()), 1, [&](Index begin, Index end) {
-      for (int block = static_cast<int>(begin); block < end; ++block)
+  run.report(0.95);
+  run.parallelFor(static_cast<Index>(counts.size()), 1, [&](Index begin, Index end) {
+    for (int block = static_cast<int>(begin); block < end; ++block)
+    {
+      if (context.isHere(block))
       {
-        if (context.isHere(block))
-        {
-          counts[block] = countRules(context, block, doubled[block]);
-        }
+        counts[block] = countRules(context, block, doubled[block]);
       }
-    });
-    run.report(1.0);
+    }
   });
+  run.report(1.0);
   RuleCounts sums{};
   for (const RuleCounts& ofBlock : counts)
   {
@@ -296,33 +283,31 @@ std::vector<std::array<std::vector<double>, 3>> conversionKnots(
 ConversionReport convertToBSplineVolume(const BlockComplex& complex, const ConversionOptions& options,
   const std::vector<ControlNetStorage>& nets, const Execution& run, const EntityRules* known)
 {
-  run.ranks->together([&] {
-    if (!(options.planarTolerance >= 0.0))
-    {
-      throw Error("Planar Tolerance " + text(options.planarTolerance) + " is not at least 0");
-    }
-    if (!(options.propagationRange >= 0.0))
-    {
-      throw Error("Propagation Range " + text(options.propagationRange) + " is not at least 0");
-    }
-    if (options.twist == Twist::Literal && !options.body)
-    {
-      throw Error("Twist Literal needs the parameters of a Body, and there is none");
-    }
-    if (options.twist == Twist::PCCM && options.continuity != Continuity::ExactG1)
-    {
-      throw Error("Twist PCCM needs double knots: Continuity must be ExactG1");
-    }
-    if (options.continuity == Continuity::ExactG1 && options.wallOnly)
-    {
-      throw Error("the wall alone is converted with single knots only");
-    }
-    if (nets.size() != complex.blocks.size())
-    {
-      throw Error("there are " + std::to_string(nets.size()) + " control nets for " +
-        std::to_string(complex.blocks.size()) + " blocks");
-    }
-  });
+  if (!(options.planarTolerance >= 0.0))
+  {
+    throw Error("Planar Tolerance " + text(options.planarTolerance) + " is not at least 0");
+  }
+  if (!(options.propagationRange >= 0.0))
+  {
+    throw Error("Propagation Range " + text(options.propagationRange) + " is not at least 0");
+  }
+  if (options.twist == Twist::Literal && !options.body)
+  {
+    throw Error("Twist Literal needs the parameters of a Body, and there is none");
+  }
+  if (options.twist == Twist::PCCM && options.continuity != Continuity::ExactG1)
+  {
+    throw Error("Twist PCCM needs double knots: Continuity must be ExactG1");
+  }
+  if (options.continuity == Continuity::ExactG1 && options.wallOnly)
+  {
+    throw Error("the wall alone is converted with single knots only");
+  }
+  if (nets.size() != complex.blocks.size())
+  {
+    throw Error("there are " + std::to_string(nets.size()) + " control nets for " +
+      std::to_string(complex.blocks.size()) + " blocks");
+  }
   const LocalStars stars(complex, *run.ranks);
   const EntityRules own = known ? EntityRules{} : classify(stars, options, run);
   const EntityRules& rules = known ? *known : own;

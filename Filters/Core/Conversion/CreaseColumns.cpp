@@ -285,13 +285,11 @@ FaceKeeps creaseColumns(
     for (std::size_t steps = 0; steps < complex.faces.size() && !columns.empty(); ++steps)
     {
       std::vector<char> fills;
-      ranks.together([&] {
-        for (const Column& column : columns)
-        {
-          fills.push_back(fillColumn(complex, column, range, keeps));
-          filled.insert(complex.blocks[column.block].faces[column.face]);
-        }
-      });
+      for (const Column& column : columns)
+      {
+        fills.push_back(fillColumn(complex, column, range, keeps));
+        filled.insert(complex.blocks[column.block].faces[column.face]);
+      }
       const std::vector<char> reaches = gatherFromOwners<char>(
         ranks, columns.size(), [&](std::size_t i) { return complex.blocks[columns[i].block].rank; },
         [&](std::size_t i) { return fills[i]; });

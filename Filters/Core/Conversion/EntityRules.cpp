@@ -143,21 +143,19 @@ std::vector<bool> supportMesh(const BlockComplex& complex, const std::vector<Pla
 {
   std::vector<std::array<double, 2>> heights(planes.size(), { 0.0, 0.0 });
   const auto crosses = [&](std::size_t i) { return -heights[i][0] > tolerances[i] && heights[i][1] > tolerances[i]; };
-  ranks.together([&] {
-    for (std::size_t i = 0; i < planes.size(); ++i)
+  for (std::size_t i = 0; i < planes.size(); ++i)
+  {
+    for (int f = 0; f < static_cast<int>(complex.faces.size()) && !crosses(i); ++f)
     {
-      for (int f = 0; f < static_cast<int>(complex.faces.size()) && !crosses(i); ++f)
+      if (complex.faces[f].boundary() && ownerOfFace(complex, f) == ranks.rank())
       {
-        if (complex.faces[f].boundary() && ownerOfFace(complex, f) == ranks.rank())
-        {
-          forFacePoints(complex, complex.faces[f].uses.front(), [&](const Vec3& x) {
-            const double height = planes[i].normal.dot(x - planes[i].origin);
-            heights[i] = { std::min(heights[i][0], height), std::max(heights[i][1], height) };
-          });
-        }
+        forFacePoints(complex, complex.faces[f].uses.front(), [&](const Vec3& x) {
+          const double height = planes[i].normal.dot(x - planes[i].origin);
+          heights[i] = { std::min(heights[i][0], height), std::max(heights[i][1], height) };
+        });
       }
     }
-  });
+  }
   for (const auto& others : ranks.gather(heights))
   {
     for (std::size_t i = 0; i < planes.size(); ++i)
@@ -438,7 +436,7 @@ EntityRules classify(const LocalStars& stars, const ConversionOptions& options, 
       }
     });
   };
-  run.ranks->together([&] { forEachEdge([&](int e) { rules.edges[e].fans = edgeFans(complex, e); }); });
+  forEachEdge([&](int e) { rules.edges[e].fans = edgeFans(complex, e); });
   for (std::size_t f = 0; f < complex.faces.size(); ++f)
   {
     rules.faces[f].role = roleOf(options, complex.faces[f]);

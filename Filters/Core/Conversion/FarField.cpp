@@ -359,19 +359,17 @@ private:
   std::vector<bool> bodyIsBehind(const std::vector<FacesInPlane>& cuts)
   {
     std::vector<char> touches(cuts.size(), 0);
-    this->Processes.together([&] {
-      for (std::size_t i = 0; i < cuts.size(); ++i)
+    for (std::size_t i = 0; i < cuts.size(); ++i)
+    {
+      for (const FaceUse& body : this->BodyFaces)
       {
-        for (const FaceUse& body : this->BodyFaces)
+        if (this->Complex.blocks[body.block].rank == this->Processes.rank())
         {
-          if (this->Complex.blocks[body.block].rank == this->Processes.rank())
-          {
-            forFacePoints(this->Complex, body,
-              [&](const Vec3& x) { touches[i] = touches[i] || !(cuts[i].plane.height(x) < -this->Tolerance); });
-          }
+          forFacePoints(this->Complex, body,
+            [&](const Vec3& x) { touches[i] = touches[i] || !(cuts[i].plane.height(x) < -this->Tolerance); });
         }
       }
-    });
+    }
     std::vector<bool> behind(cuts.size(), true);
     for (const std::vector<char>& part : this->Processes.gather(touches))
     {

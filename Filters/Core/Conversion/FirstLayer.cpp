@@ -256,16 +256,14 @@ void FirstLayer::setWalls(const ConversionOptions& options)
       ? options.boundaryWallSpacing[tag]
       : std::numeric_limits<double>::quiet_NaN();
   };
-  this->Processes.together([&] {
-    checkSpacing(options.wallSpacing, "");
-    for (std::size_t tag = 0; tag < options.boundaryWallSpacing.size(); ++tag)
+  checkSpacing(options.wallSpacing, "");
+  for (std::size_t tag = 0; tag < options.boundaryWallSpacing.size(); ++tag)
+  {
+    if (!std::isnan(boundaryValue(static_cast<int>(tag))))
     {
-      if (!std::isnan(boundaryValue(static_cast<int>(tag))))
-      {
-        checkSpacing(boundaryValue(static_cast<int>(tag)), " of boundary '" + this->Complex.boundaryNames[tag] + "'");
-      }
+      checkSpacing(boundaryValue(static_cast<int>(tag)), " of boundary '" + this->Complex.boundaryNames[tag] + "'");
     }
-  });
+  }
   std::vector<const ComplexFace*> walls;
   bool constant = !options.automaticWallSpacing;
   for (const ComplexFace& face : this->Complex.faces)
@@ -291,57 +289,55 @@ void FirstLayer::setWalls(const ConversionOptions& options)
 
   PointValues values;
   std::vector<SurfacePointKey> near;
-  this->Processes.together([&] {
-    for (const ComplexFace* face : walls)
+  for (const ComplexFace* face : walls)
+  {
+    const FaceUse& use = face->uses[0];
+    const ComplexBlock& owner = this->Complex.blocks[use.block];
+    const FaceLines lines(this->Complex, use);
+    if (!lines.isHere())
     {
-      const FaceUse& use = face->uses[0];
-      const ComplexBlock& owner = this->Complex.blocks[use.block];
-      const FaceLines lines(this->Complex, use);
-      if (!lines.isHere())
-      {
-        lines.forAll([&](int s, int t) {
-          if (lines.has(s, t, 0))
-          {
-            near.push_back(lines.key(s, t));
-          }
-        });
-        continue;
-      }
-      const double* given = owner.parent < static_cast<int>(options.wallSpacingPoints.size())
-        ? options.wallSpacingPoints[owner.parent]
-        : nullptr;
-      const double ofBoundary = boundaryValue(face->tag);
       lines.forAll([&](int s, int t) {
-        double c = options.wallSpacing;
-        double own = std::numeric_limits<double>::quiet_NaN();
-        if (given)
+        if (lines.has(s, t, 0))
         {
-          // Strides of the parent's points are those of its arrays.
-          const Ijk ijk = lines.ijk(s, t, 0);
-          Index at = 0;
-          for (int d = 0; d < 3; ++d)
-          {
-            at += owner.points.stride(d) * (owner.offset[d] + ijk[d]);
-          }
-          own = given[at];
+          near.push_back(lines.key(s, t));
         }
-        if (!std::isnan(own))
-        {
-          checkSpacing(own, " at a wall point of block '" + owner.name + "'");
-          c = own;
-        }
-        else if (!std::isnan(ofBoundary))
-        {
-          c = ofBoundary;
-        }
-        else if (options.automaticWallSpacing)
-        {
-          c = matchingSpacing(lines.growth(s, t));
-        }
-        values.add(lines.key(s, t), c);
       });
+      continue;
     }
-  });
+    const double* given = owner.parent < static_cast<int>(options.wallSpacingPoints.size())
+      ? options.wallSpacingPoints[owner.parent]
+      : nullptr;
+    const double ofBoundary = boundaryValue(face->tag);
+    lines.forAll([&](int s, int t) {
+      double c = options.wallSpacing;
+      double own = std::numeric_limits<double>::quiet_NaN();
+      if (given)
+      {
+        // Strides of the parent's points are those of its arrays.
+        const Ijk ijk = lines.ijk(s, t, 0);
+        Index at = 0;
+        for (int d = 0; d < 3; ++d)
+        {
+          at += owner.points.stride(d) * (owner.offset[d] + ijk[d]);
+        }
+        own = given[at];
+      }
+      if (!std::isnan(own))
+      {
+        checkSpacing(own, " at a wall point of block '" + owner.name + "'");
+        c = own;
+      }
+      else if (!std::isnan(ofBoundary))
+      {
+        c = ofBoundary;
+      }
+      else if (options.automaticWallSpacing)
+      {
+        c = matchingSpacing(lines.growth(s, t));
+      }
+      values.add(lines.key(s, t), c);
+    });
+  }
   values.agree(near, this->Processes);
   this->WallRange = { 1.0, 0.0 };
   for (const ComplexFace* face : walls)
@@ -372,17 +368,15 @@ void FirstLayer::setWalls(const ConversionOptions& options)
 void FirstLayer::setSide(const FarFieldSide& side, FarFieldSpacing spacing, const LastDistance& lastDistance)
 {
   PointValues distances;
-  this->Processes.together([&] {
-    for (std::size_t i = 0; i < side.faces.size(); ++i)
+  for (std::size_t i = 0; i < side.faces.size(); ++i)
+  {
+    const FaceLines lines(this->Complex, side.inner[i]);
+    if (side.onCuboid[i] && lines.isHere())
     {
-      const FaceLines lines(this->Complex, side.inner[i]);
-      if (side.onCuboid[i] && lines.isHere())
-      {
-        lines.forAll(
-          [&](int s, int t) { distances.add(lines.key(s, t), lastDistance(side.inner[i], s, t, side.normal)); });
-      }
+      lines.forAll(
+        [&](int s, int t) { distances.add(lines.key(s, t), lastDistance(side.inner[i], s, t, side.normal)); });
     }
-  });
+  }
   distances.gather(this->Processes);
   const double average = distances.average(0.0);
   this->Distances.push_back(average);

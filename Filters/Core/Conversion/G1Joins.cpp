@@ -82,74 +82,69 @@ public:
 
   G1Report join()
   {
-    const Ranks& ranks = *this->Run.ranks;
-    ranks.together([&] {
-      this->Run.parallelFor(static_cast<Index>(this->Complex.blocks.size()), 1, [&](Index begin, Index end) {
-        for (Index b = begin; b < end; ++b)
-        {
-          const ComplexBlock& block = this->Complex.blocks[b];
-          if (this->isHere(static_cast<int>(b)))
-          {
-            insertDoubleKnots({ block.cells(0), block.cells(1), block.cells(2) }, this->Doubled[b], this->Nets[b]);
-          }
-        }
-      });
-      this->findFans();
-      this->giveUp();
-      for (const NetFan& fan : this->Fans)
+    this->Run.parallelFor(static_cast<Index>(this->Complex.blocks.size()), 1, [&](Index begin, Index end) {
+      for (Index b = begin; b < end; ++b)
       {
-        this->JoinRuleOf.prepare(fan.shape);
-        if (this->Options.twist == Twist::PCCM && PccmRule::fits(fan.shape))
+        const ComplexBlock& block = this->Complex.blocks[b];
+        if (this->isHere(static_cast<int>(b)))
         {
-          this->PccmOf.emplace(fan.shape, fan.shape);
+          insertDoubleKnots({ block.cells(0), block.cells(1), block.cells(2) }, this->Doubled[b], this->Nets[b]);
         }
-      }
-      for (const Group& group : this->Groups)
-      {
-        this->JoinRuleOf.prepare(group.shape);
       }
     });
+    this->findFans();
+    this->giveUp();
+    for (const NetFan& fan : this->Fans)
+    {
+      this->JoinRuleOf.prepare(fan.shape);
+      if (this->Options.twist == Twist::PCCM && PccmRule::fits(fan.shape))
+      {
+        this->PccmOf.emplace(fan.shape, fan.shape);
+      }
+    }
+    for (const Group& group : this->Groups)
+    {
+      this->JoinRuleOf.prepare(group.shape);
+    }
     this->gatherLayers();
-    ranks.together([&] { this->decideLayers(); });
+    this->decideLayers();
     std::vector<std::vector<std::vector<Vec3>>> joined(this->Fans.size());
-    ranks.together([&] {
-      this->shiftForGroups();
-      this->forAllLayers(
-        [&](int fan, int layer) {
-          if (joined[fan].empty())
+    this->shiftForGroups();
+    this->forAllLayers(
+      [&](int fan, int layer) {
+        if (joined[fan].empty())
+        {
+          return;
+        }
+        std::vector<Vec3>& net = joined[fan][layer];
+        net = this->netOf(fan, layer);
+        if (this->isJoined(fan, layer))
+        {
+          const auto pccm = this->PccmOf.find(this->Fans[fan].shape);
+          if (pccm != this->PccmOf.end())
           {
-            return;
+            pccm->second.apply(net);
           }
-          std::vector<Vec3>& net = joined[fan][layer];
-          net = this->netOf(fan, layer);
-          if (this->isJoined(fan, layer))
+          else
           {
-            const auto pccm = this->PccmOf.find(this->Fans[fan].shape);
-            if (pccm != this->PccmOf.end())
-            {
-              pccm->second.apply(net);
-            }
-            else
-            {
-              this->JoinRuleOf.at(this->Fans[fan].shape).apply(net, true);
-            }
+            this->JoinRuleOf.at(this->Fans[fan].shape).apply(net, true);
           }
-        },
-        joined);
-      for (std::size_t f = 0; f < this->Fans.size(); ++f)
+        }
+      },
+      joined);
+    for (std::size_t f = 0; f < this->Fans.size(); ++f)
+    {
+      for (std::size_t layer = 0; layer < joined[f].size(); ++layer)
       {
-        for (std::size_t layer = 0; layer < joined[f].size(); ++layer)
-        {
-          this->write(this->Fans[f], static_cast<int>(layer), this->Fans[f].shape, joined[f][layer]);
-        }
-        for (int layer = 0; layer < this->Fans[f].layers; ++layer)
-        {
-          ++(this->isJoined(static_cast<int>(f), layer) ? this->Report.layers : this->Report.skippedLayers);
-          this->Report.givenUpLayers += this->isGivenUp(static_cast<int>(f), layer) ? 1 : 0;
-        }
-        this->Report.edges += this->Fans[f].edge >= 0 ? 1 : 0;
+        this->write(this->Fans[f], static_cast<int>(layer), this->Fans[f].shape, joined[f][layer]);
       }
-    });
+      for (int layer = 0; layer < this->Fans[f].layers; ++layer)
+      {
+        ++(this->isJoined(static_cast<int>(f), layer) ? this->Report.layers : this->Report.skippedLayers);
+        this->Report.givenUpLayers += this->isGivenUp(static_cast<int>(f), layer) ? 1 : 0;
+      }
+      this->Report.edges += this->Fans[f].edge >= 0 ? 1 : 0;
+    }
     this->evenShortSpokes();
     this->fitWall();
     return this->Report;
@@ -1012,12 +1007,10 @@ private:
       }
       return list;
     });
-    this->Run.ranks->together([&] {
-      for (std::size_t i = 0; i < fans.size(); ++i)
-      {
-        this->evenShortSpokes(fans[i], lists[i], lengthOf);
-      }
-    });
+    for (std::size_t i = 0; i < fans.size(); ++i)
+    {
+      this->evenShortSpokes(fans[i], lists[i], lengthOf);
+    }
   }
 
   template <typename LengthOf>
@@ -1132,41 +1125,37 @@ private:
     // Reach, then the changes of a net of that reach.
     std::vector<std::vector<double>> changes(fans.size());
     const Ranks& ranks = *this->Run.ranks;
-    ranks.together([&] {
-      this->Run.parallelFor(static_cast<Index>(fans.size()), 1, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i)
+    this->Run.parallelFor(static_cast<Index>(fans.size()), 1, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+      {
+        if (static_cast<int>(i % ranks.size()) == ranks.rank())
         {
-          if (static_cast<int>(i % ranks.size()) == ranks.rank())
-          {
-            changes[i] = this->fitVertex(this->Fans[fans[i]], lists[i]);
-          }
+          changes[i] = this->fitVertex(this->Fans[fans[i]], lists[i]);
         }
-      });
+      }
     });
     changes = gatherListsFromOwners<double>(
       ranks, fans.size(), [&](std::size_t i) { return static_cast<int>(i % ranks.size()); },
       [&](std::size_t i) { return changes[i]; });
-    ranks.together([&] {
-      std::vector<Change> onRank;
-      for (std::size_t i = 0; i < fans.size(); ++i)
+    std::vector<Change> onRank;
+    for (std::size_t i = 0; i < fans.size(); ++i)
+    {
+      LocalNetShape shape = this->Fans[fans[i]].shape;
+      shape.reach = static_cast<int>(changes[i][0]);
+      ++(shape.reach == 0 ? this->Report.linearVertices : this->Report.fittedVertices);
+      this->Report.smallFits += shape.reach == 3 ? 1 : 0;
+      if (shape.reach == 0)
       {
-        LocalNetShape shape = this->Fans[fans[i]].shape;
-        shape.reach = static_cast<int>(changes[i][0]);
-        ++(shape.reach == 0 ? this->Report.linearVertices : this->Report.fittedVertices);
-        this->Report.smallFits += shape.reach == 3 ? 1 : 0;
-        if (shape.reach == 0)
-        {
-          continue;
-        }
-        std::vector<Vec3> net(shape.size());
-        for (std::size_t a = 0; a < net.size(); ++a)
-        {
-          net[a] = Vec3(changes[i].data() + 1 + 3 * a);
-        }
-        this->listChanges(this->chain(fans[i], this->WallVertices[i].lastLayer, shape, net), onRank);
+        continue;
       }
-      this->apply(std::move(onRank));
-    });
+      std::vector<Vec3> net(shape.size());
+      for (std::size_t a = 0; a < net.size(); ++a)
+      {
+        net[a] = Vec3(changes[i].data() + 1 + 3 * a);
+      }
+      this->listChanges(this->chain(fans[i], this->WallVertices[i].lastLayer, shape, net), onRank);
+    }
+    this->apply(std::move(onRank));
     this->evenShortSpokes();
   }
 

@@ -304,28 +304,26 @@ std::map<SpanId, Validity> failingSpans(const CheckedNets& nets, Index& checked,
   const ConversionContext& context = nets.context();
   std::map<SpanId, Validity> failing;
   Index count = 0;
-  run.ranks->together([&] {
-    std::vector<std::vector<Index>> spans(context.complex.blocks.size());
-    run.parallelFor(static_cast<Index>(spans.size()), 1, [&](Index begin, Index end) {
-      for (int block = static_cast<int>(begin); block < end; ++block)
-      {
-        if (context.isHere(block))
-        {
-          spans[block] = nets.chosenSpans(block);
-        }
-      }
-    });
-    SpanLists lists;
-    for (std::size_t block = 0; block < spans.size(); ++block)
+  std::vector<std::vector<Index>> spans(context.complex.blocks.size());
+  run.parallelFor(static_cast<Index>(spans.size()), 1, [&](Index begin, Index end) {
+    for (int block = static_cast<int>(begin); block < end; ++block)
     {
-      if (!spans[block].empty())
+      if (context.isHere(block))
       {
-        count += static_cast<Index>(spans[block].size());
-        lists[static_cast<int>(block)] = std::move(spans[block]);
+        spans[block] = nets.chosenSpans(block);
       }
     }
-    failing = failingSpans(nets, lists, run);
   });
+  SpanLists lists;
+  for (std::size_t block = 0; block < spans.size(); ++block)
+  {
+    if (!spans[block].empty())
+    {
+      count += static_cast<Index>(spans[block].size());
+      lists[static_cast<int>(block)] = std::move(spans[block]);
+    }
+  }
+  failing = failingSpans(nets, lists, run);
   checked = 0;
   for (const Index part : run.ranks->gatherAll(std::vector<Index>{ count }))
   {

@@ -52,17 +52,15 @@ public:
   /// @param failing spans of this rank that are not proven valid.
   void operator()(const std::map<SpanId, Validity>& failing, SpanReport& report)
   {
-    this->Group.together([&] {
-      for (const auto& entry : failing)
+    for (const auto& entry : failing)
+    {
+      if (this->addEntry(entry.first))
       {
-        if (this->addEntry(entry.first))
-        {
-          Entry& added = this->Entries.at(entry.first);
-          added.failedFirst = true;
-          added.validity = entry.second;
-        }
+        Entry& added = this->Entries.at(entry.first);
+        added.failedFirst = true;
+        added.validity = entry.second;
       }
-    });
+    }
     if (this->Context.options.repairSpans || this->Context.options.untangle)
     {
       this->sweepAll(report);
@@ -224,7 +222,7 @@ private:
     const int mostIdle = this->Context.options.untangle ? MaxIdleUntanglingSweeps : MaxIdleSweeps;
     while (report.sweeps < most && this->anyFails())
     {
-      this->Group.together([&] { this->Run.report(0.95); });
+      this->Run.report(0.95);
       ++report.sweeps;
       const bool moved = this->sweep(Watched);
       const bool released = this->release();
@@ -272,52 +270,48 @@ private:
       blocks.push_back(entry.first.first);
     }
     std::vector<MeshPointKey> wanted;
-    this->Group.together([&] {
-      this->Run.parallelFor(static_cast<Index>(entries.size()), 4, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i)
-        {
-          SpanControl control;
-          for (int p = 0; p < 64; ++p)
-          {
-            control[p] = Eigen::Map<const Vec3>(this->Context.nets[blocks[i]].points + 3 * entries[i]->control[p]);
-          }
-          entries[i]->penalty = spanPenalty(control, entries[i]->bezier, entries[i]->scale, Aim);
-        }
-      });
-      std::copy_if(entries.begin(), entries.end(), std::back_inserter(active),
-        [&](const Entry* entry) { return entry->failing() || entry->penalty.least < watched; });
-      this->makeMaps(active);
-      for (const Entry* entry : active)
+    this->Run.parallelFor(static_cast<Index>(entries.size()), 4, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
       {
-        for (const MeshPointKey& owner : entry->owners)
+        SpanControl control;
+        for (int p = 0; p < 64; ++p)
         {
-          const std::vector<MeshPointKey>& inputs = this->Maps.at(owner).inputs;
-          std::copy_if(inputs.begin(), inputs.end(), std::back_inserter(wanted),
-            [&](const MeshPointKey& key) { return this->Frames.count(key) == 0; });
+          control[p] = Eigen::Map<const Vec3>(this->Context.nets[blocks[i]].points + 3 * entries[i]->control[p]);
         }
+        entries[i]->penalty = spanPenalty(control, entries[i]->bezier, entries[i]->scale, Aim);
       }
     });
+    std::copy_if(entries.begin(), entries.end(), std::back_inserter(active),
+      [&](const Entry* entry) { return entry->failing() || entry->penalty.least < watched; });
+    this->makeMaps(active);
+    for (const Entry* entry : active)
+    {
+      for (const MeshPointKey& owner : entry->owners)
+      {
+        const std::vector<MeshPointKey>& inputs = this->Maps.at(owner).inputs;
+        std::copy_if(inputs.begin(), inputs.end(), std::back_inserter(wanted),
+          [&](const MeshPointKey& key) { return this->Frames.count(key) == 0; });
+      }
+    }
     this->makeFrames(std::move(wanted));
 
     std::vector<Proposal> proposals;
-    this->Group.together([&] {
-      std::vector<std::vector<Proposal>> parts(active.size());
-      std::map<const Entry*, int> blockOf;
-      for (std::size_t i = 0; i < entries.size(); ++i)
+    std::vector<std::vector<Proposal>> parts(active.size());
+    std::map<const Entry*, int> blockOf;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+    {
+      blockOf[entries[i]] = blocks[i];
+    }
+    this->Run.parallelFor(static_cast<Index>(active.size()), 4, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
       {
-        blockOf[entries[i]] = blocks[i];
-      }
-      this->Run.parallelFor(static_cast<Index>(active.size()), 4, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i)
-        {
-          parts[i] = this->propose(*active[i], blockOf.at(active[i]));
-        }
-      });
-      for (const std::vector<Proposal>& part : parts)
-      {
-        proposals.insert(proposals.end(), part.begin(), part.end());
+        parts[i] = this->propose(*active[i], blockOf.at(active[i]));
       }
     });
+    for (const std::vector<Proposal>& part : parts)
+    {
+      proposals.insert(proposals.end(), part.begin(), part.end());
+    }
     proposals = this->Group.gatherAll(proposals);
     std::stable_sort(
       proposals.begin(), proposals.end(), [](const Proposal& a, const Proposal& b) { return a.point < b.point; });
@@ -480,79 +474,77 @@ private:
   /// Converts and judges again what depends on points that have moved.
   void update(const std::vector<MeshPointKey>& moved)
   {
-    this->Group.together([&] {
-      std::set<MeshPointKey> owners;
-      for (const MeshPointKey& key : moved)
+    std::set<MeshPointKey> owners;
+    for (const MeshPointKey& key : moved)
+    {
+      for (const MeshPointKey& owner : neighboursOf(this->Context.complex, key))
       {
-        for (const MeshPointKey& owner : neighboursOf(this->Context.complex, key))
-        {
-          owners.insert(owner);
-        }
+        owners.insert(owner);
       }
-      std::vector<MeshPointKey> here;
-      std::map<int, std::set<Index>> spans;
-      for (const MeshPointKey& owner : owners)
+    }
+    std::vector<MeshPointKey> here;
+    std::map<int, std::set<Index>> spans;
+    for (const MeshPointKey& owner : owners)
+    {
+      bool isHere = false;
+      for (const MeshPointCopy& copy : copiesOf(this->Context.complex, owner))
       {
-        bool isHere = false;
-        for (const MeshPointCopy& copy : copiesOf(this->Context.complex, owner))
+        if (!this->Context.isHere(copy.block))
         {
-          if (!this->Context.isHere(copy.block))
+          continue;
+        }
+        isHere = true;
+        const ComplexBlock& block = this->Context.complex.blocks[copy.block];
+        Ijk low, high;
+        for (int d = 0; d < 3; ++d)
+        {
+          const auto range = positionsOf(copy.ijk[d], block.cells(d));
+          low[d] = std::max(0, range[0] - 3);
+          high[d] = std::min(range[1], block.cells(d) - 1);
+        }
+        for (int k = low[2]; k <= high[2]; ++k)
+        {
+          for (int j = low[1]; j <= high[1]; ++j)
           {
-            continue;
-          }
-          isHere = true;
-          const ComplexBlock& block = this->Context.complex.blocks[copy.block];
-          Ijk low, high;
-          for (int d = 0; d < 3; ++d)
-          {
-            const auto range = positionsOf(copy.ijk[d], block.cells(d));
-            low[d] = std::max(0, range[0] - 3);
-            high[d] = std::min(range[1], block.cells(d) - 1);
-          }
-          for (int k = low[2]; k <= high[2]; ++k)
-          {
-            for (int j = low[1]; j <= high[1]; ++j)
+            for (int i = low[0]; i <= high[0]; ++i)
             {
-              for (int i = low[0]; i <= high[0]; ++i)
-              {
-                spans[copy.block].insert(spanOf(block, { i, j, k }));
-              }
+              spans[copy.block].insert(spanOf(block, { i, j, k }));
             }
           }
         }
-        if (isHere)
-        {
-          here.push_back(owner);
-        }
       }
-      const MovedPoints points{ this->Context.complex, this->Offsets };
-      ConversionContext context = this->Context;
-      context.moved = &points;
-      this->Run.parallelFor(static_cast<Index>(here.size()), 8, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i)
-        {
-          convertPoint(context, here[i]);
-        }
-      });
-      SpanLists lists;
-      for (const auto& [block, numbers] : spans)
+      if (isHere)
       {
-        lists[block].assign(numbers.begin(), numbers.end());
+        here.push_back(owner);
       }
-      const std::map<SpanId, Validity> failing = failingSpans(CheckedNets(this->Context), lists, this->Run);
-      for (const auto& [block, numbers] : lists)
+    }
+    const MovedPoints points{ this->Context.complex, this->Offsets };
+    ConversionContext context = this->Context;
+    context.moved = &points;
+    this->Run.parallelFor(static_cast<Index>(here.size()), 8, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
       {
-        for (const Index number : numbers)
-        {
-          const SpanId id{ block, number };
-          const auto found = failing.find(id);
-          if (found != failing.end() ? this->addEntry(id) : this->Entries.count(id) > 0)
-          {
-            this->Entries.at(id).validity = found != failing.end() ? found->second : Validity::Valid;
-          }
-        }
+        convertPoint(context, here[i]);
       }
     });
+    SpanLists lists;
+    for (const auto& [block, numbers] : spans)
+    {
+      lists[block].assign(numbers.begin(), numbers.end());
+    }
+    const std::map<SpanId, Validity> failing = failingSpans(CheckedNets(this->Context), lists, this->Run);
+    for (const auto& [block, numbers] : lists)
+    {
+      for (const Index number : numbers)
+      {
+        const SpanId id{ block, number };
+        const auto found = failing.find(id);
+        if (found != failing.end() ? this->addEntry(id) : this->Entries.count(id) > 0)
+        {
+          this->Entries.at(id).validity = found != failing.end() ? found->second : Validity::Valid;
+        }
+      }
+    }
   }
 
   void restore(const PointOffsets& before)
@@ -739,15 +731,13 @@ G1Report joinAndCheck(
     std::vector<Place> left;
     Index checked = 0;
     const std::map<SpanId, Validity> failing = failingSpans(nets, checked, run);
-    ranks.together([&] {
-      for (const auto& [id, validity] : failing)
-      {
-        const ComplexBlock& block = context.complex.blocks[id.first];
-        const Ijk cell = nets.cellOf(id);
-        const bool valid = isValidCell(block, givenCorners(block, cell));
-        left.push_back({ id.first, cell, nets.firstControlPoint(id), valid ? static_cast<int>(validity) : -1 });
-      }
-    });
+    for (const auto& [id, validity] : failing)
+    {
+      const ComplexBlock& block = context.complex.blocks[id.first];
+      const Ijk cell = nets.cellOf(id);
+      const bool valid = isValidCell(block, givenCorners(block, cell));
+      left.push_back({ id.first, cell, nets.firstControlPoint(id), valid ? static_cast<int>(validity) : -1 });
+    }
     left = ranks.gatherAll(left);
     std::sort(left.begin(), left.end(), [](const Place& a, const Place& b) {
       return std::tie(a.block, a.cell, a.first) < std::tie(b.block, b.cell, b.first);

@@ -158,14 +158,13 @@ AtomicFile::AtomicFile(const std::string& path, const Ranks& ranks)
   // An error in a constructor calls no destructor.
   try
   {
-    ranks.together([&] {
-      if (this->Owner)
-      {
-        this->create();
-      }
-    });
+    if (this->Owner)
+    {
+      this->create();
+    }
     const std::vector<char> name =
       ranks.gather(std::vector<char>(this->Temporary.begin(), this->Temporary.end())).front();
+    // Rank 0 does nothing with the file before all have opened it.
     ranks.together([&] {
       if (!this->Owner)
       {

@@ -42,18 +42,15 @@ void writeParts(AtomicFile& file, const std::vector<FilePart>& parts, const Exec
     {
       sizes.push_back(part.size);
     }
-    Index position = 0;
-    ranks.together([&] {
-      position = ranks.rank() == 0 ? file.position() : 0;
-      CharacterCount written;
-      overOwn(0.0, counting ? 0.5 : 0.0, [&](std::size_t p, const PartReport& report) {
-        if (sizes[p] < 0)
-        {
-          const Index before = written.count();
-          parts[p].write(written, report);
-          sizes[p] = written.count() - before;
-        }
-      });
+    const Index position = ranks.rank() == 0 ? file.position() : 0;
+    CharacterCount written;
+    overOwn(0.0, counting ? 0.5 : 0.0, [&](std::size_t p, const PartReport& report) {
+      if (sizes[p] < 0)
+      {
+        const Index before = written.count();
+        parts[p].write(written, report);
+        sizes[p] = written.count() - before;
+      }
     });
     ranks.share(sizes, [&](Index p) { return parts[p].rank; });
     start.assign(parts.size() + 1, 0);
@@ -61,19 +58,17 @@ void writeParts(AtomicFile& file, const std::vector<FilePart>& parts, const Exec
     start[0] = ranks.gatherAll(std::vector<Index>{ position }).front();
     std::partial_sum(start.begin(), start.end(), start.begin());
   }
-  ranks.together([&] {
-    overOwn(counting ? 0.5 : 0.0, 1.0, [&](std::size_t p, const PartReport& report) {
-      if (several)
-      {
-        file.seek(start[p]);
-      }
-      parts[p].write(file, report);
-    });
-    if (several && ranks.rank() == 0)
+  overOwn(counting ? 0.5 : 0.0, 1.0, [&](std::size_t p, const PartReport& report) {
+    if (several)
     {
-      file.seek(start.back());
+      file.seek(start[p]);
     }
+    parts[p].write(file, report);
   });
+  if (several && ranks.rank() == 0)
+  {
+    file.seek(start.back());
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -86,22 +81,20 @@ AtomicFile& FileGroup::add(const std::string& path)
 void FileGroup::publish()
 {
   const Ranks& ranks = *this->Run.ranks;
-  ranks.together([&] {
+  for (const auto& file : this->Files)
+  {
+    file->finish();
+  }
+  this->Run.report(1.0);
+  // No file gets its name before all are complete on all ranks.
+  ranks.together([] {});
+  if (ranks.rank() == 0)
+  {
     for (const auto& file : this->Files)
     {
-      file->finish();
+      file->publish();
     }
-  });
-  ranks.together([&] { this->Run.report(1.0); });
-  ranks.together([&] {
-    if (ranks.rank() == 0)
-    {
-      for (const auto& file : this->Files)
-      {
-        file->publish();
-      }
-    }
-  });
+  }
   this->Files.clear();
 }
 

@@ -337,8 +337,9 @@ std::vector<CellCount> checkCells(const BlockMesh& mesh, bool allowDegenerate, c
 MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution& run)
 {
   std::vector<CellCount> perBlock;
-  run.ranks->together([&] { checkSizes(mesh, *run.ranks); });
-  run.ranks->together([&] { perBlock = checkCells(mesh, allowDegenerate, run); });
+  checkSizes(mesh, *run.ranks);
+  run.ranks->nextStep();
+  perBlock = checkCells(mesh, allowDegenerate, run);
   run.ranks->share(perBlock, [&](Index b) { return mesh.blocks[b].rank; });
 
   MeshCheck check;
@@ -371,33 +372,32 @@ MeshCheck checkMesh(const BlockMesh& mesh, bool allowDegenerate, const Execution
 
 void checkFinitePoints(const BlockMesh& mesh, const Execution& run)
 {
-  run.ranks->together([&] {
-    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+  {
+    const GridView& points = mesh.blocks[b].points;
+    if (!points.isHere())
     {
-      const GridView& points = mesh.blocks[b].points;
-      if (!points.isHere())
+      continue;
+    }
+    const Ijk counts = points.counts();
+    // The exception of the lowest range is that of the first point.
+    run.parallelFor(counts[2], 1, [&](Index begin, Index end) {
+      for (int k = static_cast<int>(begin); k < end; ++k)
       {
-        continue;
-      }
-      const Ijk counts = points.counts();
-      // The exception of the lowest range is that of the first point.
-      run.parallelFor(counts[2], 1, [&](Index begin, Index end) {
-        for (int k = static_cast<int>(begin); k < end; ++k)
+        for (int j = 0; j < counts[1]; ++j)
         {
-          for (int j = 0; j < counts[1]; ++j)
+          for (int i = 0; i < counts[0]; ++i)
           {
-            for (int i = 0; i < counts[0]; ++i)
+            if (!points(i, j, k).allFinite())
             {
-              if (!points(i, j, k).allFinite())
-              {
-                throwNotFinite(mesh, static_cast<int>(b), { i, j, k });
-              }
+              throwNotFinite(mesh, static_cast<int>(b), { i, j, k });
             }
           }
         }
-      });
-    }
-  });
+      }
+    });
+  }
+  run.ranks->nextStep();
 }
 
 double minimumScaledJacobian(const GridView& points, const Execution& run)

@@ -235,22 +235,20 @@ std::vector<Interface> findInterfaces(const std::vector<BSplineVolume>& volumes,
   }
   const ControlPoints points(pointers, wanted, ranks);
   std::vector<Match> matches;
-  ranks.together([&] {
-    for (std::size_t p = 0; p < pairs.size(); ++p)
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+  {
+    const auto [a, b] = pairs[p];
+    unsigned found = 0;
+    for (int o = 0; volumes[a / 6].rank == ranks.rank() && o < 8; ++o)
     {
-      const auto [a, b] = pairs[p];
-      unsigned found = 0;
-      for (int o = 0; volumes[a / 6].rank == ranks.rank() && o < 8; ++o)
-      {
-        const bool same = difference(points, a / 6, a % 6, b / 6, b % 6, o).empty();
-        found |= same ? 1u << o : 0u;
-      }
-      if (found != 0)
-      {
-        matches.push_back({ p, found });
-      }
+      const bool same = difference(points, a / 6, a % 6, b / 6, b % 6, o).empty();
+      found |= same ? 1u << o : 0u;
     }
-  });
+    if (found != 0)
+    {
+      matches.push_back({ p, found });
+    }
+  }
   matches = ranks.gatherAll(matches);
   std::sort(matches.begin(), matches.end(), [](const Match& x, const Match& y) { return x.pair < y.pair; });
 
@@ -373,25 +371,23 @@ QuadflowCase makeQuadflowCase(const QuadflowInput& input, const Execution& run)
   const Ranks& ranks = *run.ranks;
   const int blocks = static_cast<int>(input.volumes.size());
   const auto label = [&](int block) { return "block " + std::to_string(block) + " '" + input.names[block] + "'"; };
-  ranks.together([&] {
-    for (int b = 0; b < blocks; ++b)
+  for (int b = 0; b < blocks; ++b)
+  {
+    const BSplineVolume& volume = input.volumes[b];
+    checkBSplineVolume(volume, label(b));
+    if (volume.rank != ranks.rank())
     {
-      const BSplineVolume& volume = input.volumes[b];
-      checkBSplineVolume(volume, label(b));
-      if (volume.rank != ranks.rank())
+      continue;
+    }
+    for (const double* x = volume.points;
+         x != volume.points + 3 * Index(volume.count(0)) * volume.count(1) * volume.count(2); ++x)
+    {
+      if (!std::isfinite(*x))
       {
-        continue;
-      }
-      for (const double* x = volume.points;
-           x != volume.points + 3 * Index(volume.count(0)) * volume.count(1) * volume.count(2); ++x)
-      {
-        if (!std::isfinite(*x))
-        {
-          throw ErrorAt(b, label(b) + ": control point " + std::to_string((x - volume.points) / 3) + " is not finite");
-        }
+        throw ErrorAt(b, label(b) + ": control point " + std::to_string((x - volume.points) / 3) + " is not finite");
       }
     }
-  });
+  }
   std::vector<const BSplineVolume*> volumes;
   for (const BSplineVolume& volume : input.volumes)
   {
@@ -826,24 +822,23 @@ private:
   /// By the rank that has the block.
   void corners() const
   {
-    this->RankGroup.together([&] {
-      for (std::size_t b = 0; b < this->All.blocks.size(); ++b)
+    for (std::size_t b = 0; b < this->All.blocks.size(); ++b)
+    {
+      const QuadflowBlock& block = this->All.blocks[b];
+      for (int corner = 0; corner < 8 && this->isHere(b); ++corner)
       {
-        const QuadflowBlock& block = this->All.blocks[b];
-        for (int corner = 0; corner < 8 && this->isHere(b); ++corner)
+        const QuadflowVertex& vertex = this->All.vertices[block.vertices[corner]];
+        const Index at = offsetOf(block.volume, cornerPoint(block.volume, corner));
+        if (!sameBits(vertex.position, Eigen::Map<const Vec3>(block.volume.points + 3 * at)))
         {
-          const QuadflowVertex& vertex = this->All.vertices[block.vertices[corner]];
-          const Index at = offsetOf(block.volume, cornerPoint(block.volume, corner));
-          if (!sameBits(vertex.position, Eigen::Map<const Vec3>(block.volume.points + 3 * at)))
-          {
-            this->fail(vertex.line,
-              "vertex " + this->id(block.vertices[corner]) + " is not the control point at corner " +
-                std::to_string(corner) + " of " + this->blockName(b),
-              false, static_cast<Index>(b));
-          }
+          this->fail(vertex.line,
+            "vertex " + this->id(block.vertices[corner]) + " is not the control point at corner " +
+              std::to_string(corner) + " of " + this->blockName(b),
+            false, static_cast<Index>(b));
         }
       }
-    });
+    }
+    this->RankGroup.nextStep();
   }
 
   /// The two sides of every interface are equal. By the rank that has block A.
@@ -863,17 +858,16 @@ private:
       }
     }
     const ControlPoints points(volumes, wanted, this->RankGroup);
-    this->RankGroup.together([&] {
-      for (const QuadflowInterface& entry : this->All.interfaces)
+    for (const QuadflowInterface& entry : this->All.interfaces)
+    {
+      const Interface& c = entry.contact;
+      const std::string what = difference(points, c.blockA, c.faceA, c.blockB, c.faceB, c.orientation);
+      if (!what.empty())
       {
-        const Interface& c = entry.contact;
-        const std::string what = difference(points, c.blockA, c.faceA, c.blockB, c.faceB, c.orientation);
-        if (!what.empty())
-        {
-          this->fail(entry.line, this->interfaceName(c) + what, false, &entry - this->All.interfaces.data());
-        }
+        this->fail(entry.line, this->interfaceName(c) + what, false, &entry - this->All.interfaces.data());
       }
-    });
+    }
+    this->RankGroup.nextStep();
   }
 
   bool isHere(std::size_t block) const { return this->All.blocks[block].volume.points != nullptr; }

@@ -38,9 +38,10 @@ public:
 
   QuadflowCase read()
   {
-    this->Run.ranks->together([this] { this->parse(); });
+    this->parse();
+    this->Run.ranks->nextStep();
     checkQuadflowCase(this->All, this->In.path(), this->GeometryPath, this->Run);
-    this->Run.ranks->together([this] { this->Run.report(1.0); });
+    this->Run.report(1.0);
     return std::move(this->All);
   }
 

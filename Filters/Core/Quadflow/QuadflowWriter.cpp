@@ -184,12 +184,10 @@ void writeBlock(
 void writeGeometry(AtomicFile& file, const QuadflowCase& all, const QuadflowOptions& options, const Execution& run)
 {
   const auto onFirst = [&](const std::string& text) {
-    run.ranks->together([&] {
-      if (run.ranks->rank() == 0)
-      {
-        file.write(text);
-      }
-    });
+    if (run.ranks->rank() == 0)
+    {
+      file.write(text);
+    }
   };
   std::vector<FilePart> parts;
   for (std::size_t b = 0; b < all.blocks.size(); ++b)
@@ -224,12 +222,10 @@ void writeQuadflow(
   }
   const Ranks& ranks = *run.ranks;
   const auto onFirst = [&](const auto& action) {
-    ranks.together([&] {
-      if (ranks.rank() == 0)
-      {
-        action();
-      }
-    });
+    if (ranks.rank() == 0)
+    {
+      action();
+    }
   };
   FileGroup files(run);
   if (!options.separateGeometry)

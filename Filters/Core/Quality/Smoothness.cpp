@@ -195,20 +195,18 @@ std::vector<Trace> fetchTraces(
   }
   std::vector<std::vector<double>> packed(wanted.size());
   std::vector<std::vector<double>> toRank(ranks.size());
-  ranks.together([&] {
-    run.parallelFor(static_cast<Index>(wanted.size()), 1, [&](Index begin, Index end) {
-      for (Index n = begin; n < end; ++n)
-      {
-        const Join& join = *wanted[n];
-        packed[n] = packedTrace(makeTrace(volumes[join.sides[1].block], acrossFace(join, 1), withinFace(join, 1)));
-      }
-    });
-    for (std::size_t n = 0; n < wanted.size(); ++n)
+  run.parallelFor(static_cast<Index>(wanted.size()), 1, [&](Index begin, Index end) {
+    for (Index n = begin; n < end; ++n)
     {
-      std::vector<double>& to = toRank[rankOf(volumes, *wanted[n])];
-      to.insert(to.end(), packed[n].begin(), packed[n].end());
+      const Join& join = *wanted[n];
+      packed[n] = packedTrace(makeTrace(volumes[join.sides[1].block], acrossFace(join, 1), withinFace(join, 1)));
     }
   });
+  for (std::size_t n = 0; n < wanted.size(); ++n)
+  {
+    std::vector<double>& to = toRank[rankOf(volumes, *wanted[n])];
+    to.insert(to.end(), packed[n].begin(), packed[n].end());
+  }
   const std::vector<std::vector<double>> received = ranks.exchange(toRank);
   std::vector<const double*> next;
   for (const std::vector<double>& part : received)
@@ -243,59 +241,57 @@ void measureJoins(const std::vector<BSplineVolume>& volumes, const SmoothnessOpt
       own.push_back(n);
     }
   }
-  run.ranks->together([&] {
-    for (std::size_t first = 0; first < own.size();)
+  for (std::size_t first = 0; first < own.size();)
+  {
+    run.report(done / total);
+    std::vector<JoinMeasurement> batch;
+    double size = 0.0;
+    while (first + batch.size() < own.size() && size < BatchSize)
     {
-      run.report(done / total);
-      std::vector<JoinMeasurement> batch;
-      double size = 0.0;
-      while (first + batch.size() < own.size() && size < BatchSize)
-      {
-        const std::size_t n = own[first + batch.size()];
-        const auto& sides = joins[n].sides;
-        const bool remote = volumes[sides[1].block].rank != volumes[sides[0].block].rank;
-        size += controlPoints(volumes[sides[0].block], joins[n]);
-        batch.emplace_back(volumes, options, remote ? &fetched[n] : nullptr, joins[n]);
-      }
-      const Index count = static_cast<Index>(batch.size());
-      std::vector<char> finite(batch.size(), 1);
-      run.parallelFor(count, 1, [&](Index begin, Index end) {
-        for (Index n = begin; n < end; ++n)
-        {
-          finite[n] = batch[n].prepare() ? 1 : 0;
-        }
-      });
-      std::vector<Index> rows{ 0 };
-      for (Index n = 0; n < count; ++n)
-      {
-        if (!finite[n])
-        {
-          const auto& sides = joins[own[first + n]].sides;
-          throw ErrorAt(static_cast<Index>(own[first + n]),
-            "control points at the join of " + options.blockName(sides[0].block) + " face " +
-              std::to_string(sides[0].face) + " and " + options.blockName(sides[1].block) + " face " +
-              std::to_string(sides[1].face) + " are not finite");
-        }
-        rows.push_back(rows.back() + batch[n].rows());
-      }
-      run.parallelFor(rows.back(), 4, [&](Index begin, Index end) {
-        Index n = std::upper_bound(rows.begin(), rows.end(), begin) - rows.begin() - 1;
-        for (Index row = begin; row < end; ++row)
-        {
-          n += row == rows[n + 1] ? 1 : 0;
-          batch[n].evaluateRow(row - rows[n]);
-        }
-      });
-      run.parallelFor(count, 1, [&](Index begin, Index end) {
-        for (Index n = begin; n < end; ++n)
-        {
-          batch[n].finish();
-        }
-      });
-      first += batch.size();
-      done += size;
+      const std::size_t n = own[first + batch.size()];
+      const auto& sides = joins[n].sides;
+      const bool remote = volumes[sides[1].block].rank != volumes[sides[0].block].rank;
+      size += controlPoints(volumes[sides[0].block], joins[n]);
+      batch.emplace_back(volumes, options, remote ? &fetched[n] : nullptr, joins[n]);
     }
-  });
+    const Index count = static_cast<Index>(batch.size());
+    std::vector<char> finite(batch.size(), 1);
+    run.parallelFor(count, 1, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        finite[n] = batch[n].prepare() ? 1 : 0;
+      }
+    });
+    std::vector<Index> rows{ 0 };
+    for (Index n = 0; n < count; ++n)
+    {
+      if (!finite[n])
+      {
+        const auto& sides = joins[own[first + n]].sides;
+        throw ErrorAt(static_cast<Index>(own[first + n]),
+          "control points at the join of " + options.blockName(sides[0].block) + " face " +
+            std::to_string(sides[0].face) + " and " + options.blockName(sides[1].block) + " face " +
+            std::to_string(sides[1].face) + " are not finite");
+      }
+      rows.push_back(rows.back() + batch[n].rows());
+    }
+    run.parallelFor(rows.back(), 4, [&](Index begin, Index end) {
+      Index n = std::upper_bound(rows.begin(), rows.end(), begin) - rows.begin() - 1;
+      for (Index row = begin; row < end; ++row)
+      {
+        n += row == rows[n + 1] ? 1 : 0;
+        batch[n].evaluateRow(row - rows[n]);
+      }
+    });
+    run.parallelFor(count, 1, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        batch[n].finish();
+      }
+    });
+    first += batch.size();
+    done += size;
+  }
 }
 
 /// Tells all ranks what they need to know of the joins that this one measured.

@@ -19,15 +19,13 @@ template <typename T, typename OwnerOf, typename ValueOf>
 std::vector<T> gatherFromOwners(const Ranks& ranks, std::size_t count, const OwnerOf& ownerOf, const ValueOf& valueOf)
 {
   std::vector<T> values(count);
-  ranks.together([&] {
-    for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    if (ownerOf(i) == ranks.rank())
     {
-      if (ownerOf(i) == ranks.rank())
-      {
-        values[i] = valueOf(i);
-      }
+      values[i] = valueOf(i);
     }
-  });
+  }
   ranks.share(values, ownerOf);
   return values;
 }
@@ -72,13 +70,11 @@ std::vector<T> sharedOut(Index count, Index grain, const Execution& run, const V
   const Index first = count * ranks.rank() / ranks.size();
   const Index last = count * (ranks.rank() + 1) / ranks.size();
   std::vector<T> mine(last - first);
-  ranks.together([&] {
-    run.parallelFor(last - first, grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i)
-      {
-        mine[i] = value(first + i);
-      }
-    });
+  run.parallelFor(last - first, grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+    {
+      mine[i] = value(first + i);
+    }
   });
   return ranks.size() == 1 ? mine : ranks.gatherAll(mine);
 }

@@ -2,6 +2,8 @@
 #include "Ranks/RankGroup.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <new>
 #include <tuple>
 
 namespace bsv
@@ -84,6 +86,12 @@ bool RankGroup::failed(const Work& work) const
   catch (const ErrorAt& error)
   {
     fail(State::Failed, error.place(), error.what());
+  }
+  catch (const std::bad_alloc&)
+  {
+    char text[64];
+    std::snprintf(text, sizeof text, "rank %d: there is not enough memory", this->rank());
+    fail(State::Failed, -1, text);
   }
   catch (const std::exception& error)
   {

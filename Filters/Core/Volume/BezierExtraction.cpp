@@ -120,7 +120,7 @@ BezierExtraction::BezierExtraction(const std::vector<BSplineVolume>& volumes, co
   }
   this->Rational = run.ranks->any(rational);
   run.ranks->share(this->Tolerances, [&](Index b) { return volumes[b].rank; });
-  run.ranks->together([&] { this->evaluateSurfaces(run); });
+  this->evaluateSurfaces(run);
   this->number(interfaces ? *interfaces : this->coincidentFaces(*run.ranks), cells, *run.ranks);
 }
 

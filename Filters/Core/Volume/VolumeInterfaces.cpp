@@ -150,16 +150,14 @@ std::vector<Interface> findVolumeInterfaces(
     known[6 * patch.block + patch.face] = true;
   }
   const auto name = [&](int face) { return options.blockName(face / 6) + " face " + std::to_string(face % 6); };
-  run.ranks->together([&] {
-    run.parallelFor(static_cast<Index>(faces.size()), 1, [&](Index begin, Index end) {
-      for (Index f = begin; f < end; ++f)
+  run.parallelFor(static_cast<Index>(faces.size()), 1, [&](Index begin, Index end) {
+    for (Index f = begin; f < end; ++f)
+    {
+      if (volumes[f / 6].rank == run.ranks->rank())
       {
-        if (volumes[f / 6].rank == run.ranks->rank())
-        {
-          faces[f] = probe(volumes[f / 6], static_cast<int>(f % 6), options.tolerance);
-        }
+        faces[f] = probe(volumes[f / 6], static_cast<int>(f % 6), options.tolerance);
       }
-    });
+    }
   });
   shareFaces(volumes, *run.ranks, faces);
   std::vector<int> order;
@@ -180,55 +178,53 @@ std::vector<Interface> findVolumeInterfaces(
 
   std::vector<int> partner(faces.size(), -1);
   std::vector<Interface> result;
-  run.ranks->together([&] {
-    for (std::size_t i = 0; i < order.size(); ++i)
+  for (std::size_t i = 0; i < order.size(); ++i)
+  {
+    run.report(static_cast<double>(i) / order.size());
+    for (std::size_t j = i + 1; j < order.size(); ++j)
     {
-      run.report(static_cast<double>(i) / order.size());
-      for (std::size_t j = i + 1; j < order.size(); ++j)
+      const ProbedFace& one = faces[order[i]];
+      const ProbedFace& other = faces[order[j]];
+      if (other.centre()[0] - one.centre()[0] > one.tolerance)
       {
-        const ProbedFace& one = faces[order[i]];
-        const ProbedFace& other = faces[order[j]];
-        if (other.centre()[0] - one.centre()[0] > one.tolerance)
-        {
-          break;
-        }
-        const double tolerance = std::min(one.tolerance, other.tolerance);
-        if ((one.centre() - other.centre()).norm() > tolerance)
-        {
-          continue;
-        }
-        const int a = std::min(order[i], order[j]);
-        const int b = std::max(order[i], order[j]);
-        int best = 0;
-        for (int o = 1; o < 8; ++o)
-        {
-          best = mismatch(faces[a], faces[b], o) < mismatch(faces[a], faces[b], best) ? o : best;
-        }
-        if (mismatch(faces[a], faces[b], best) > tolerance)
-        {
-          continue;
-        }
-        for (const int face : { a, b })
-        {
-          if (partner[face] >= 0)
-          {
-            throw Error(name(face) + " meets both " + name(partner[face]) + " and " + name(a + b - face));
-          }
-        }
-        partner[a] = b;
-        partner[b] = a;
-        Interface contact;
-        contact.blockA = a / 6;
-        contact.faceA = a % 6;
-        contact.blockB = b / 6;
-        contact.faceB = b % 6;
-        contact.orientation = best;
-        contact.rangeA.hi = { volumes[a / 6].count(faceAxis(a % 6, 0)) - 1,
-          volumes[a / 6].count(faceAxis(a % 6, 1)) - 1 };
-        result.push_back(contact);
+        break;
       }
+      const double tolerance = std::min(one.tolerance, other.tolerance);
+      if ((one.centre() - other.centre()).norm() > tolerance)
+      {
+        continue;
+      }
+      const int a = std::min(order[i], order[j]);
+      const int b = std::max(order[i], order[j]);
+      int best = 0;
+      for (int o = 1; o < 8; ++o)
+      {
+        best = mismatch(faces[a], faces[b], o) < mismatch(faces[a], faces[b], best) ? o : best;
+      }
+      if (mismatch(faces[a], faces[b], best) > tolerance)
+      {
+        continue;
+      }
+      for (const int face : { a, b })
+      {
+        if (partner[face] >= 0)
+        {
+          throw Error(name(face) + " meets both " + name(partner[face]) + " and " + name(a + b - face));
+        }
+      }
+      partner[a] = b;
+      partner[b] = a;
+      Interface contact;
+      contact.blockA = a / 6;
+      contact.faceA = a % 6;
+      contact.blockB = b / 6;
+      contact.faceB = b % 6;
+      contact.orientation = best;
+      contact.rangeA.hi = { volumes[a / 6].count(faceAxis(a % 6, 0)) - 1,
+        volumes[a / 6].count(faceAxis(a % 6, 1)) - 1 };
+      result.push_back(contact);
     }
-  });
+  }
   std::sort(result.begin(), result.end(), [](const Interface& one, const Interface& other) {
     return std::make_pair(one.blockA, one.faceA) < std::make_pair(other.blockA, other.faceA);
   });

@@ -221,7 +221,7 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
     double rho = HalfWidth / Center;
     for (int k = 0; k < Steps; ++k)
     {
-      run.ranks->together([&] { run.report(0.9); });
+      run.report(0.9);
       std::vector<Vec3> off = samples.evaluate(x, run);
       for (Index i = 0; i < samples.size(); ++i)
       {
@@ -359,7 +359,7 @@ WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversio
       throw Error("the wall's control points were not found in " + std::to_string(options.iterations) +
         " iterations (Fit Iterations): a limit point is still " + text(report.residual) + " away from its target");
     }
-    run.ranks->together([&] { run.report(std::min(0.9, report.iterations / 80.0)); });
+    run.report(std::min(0.9, report.iterations / 80.0));
     if (report.iterations == 0)
     {
       forAll([&](Index i) { step[i] = residual[i] / Center; });
@@ -428,10 +428,8 @@ void applyFit(BlockComplex& complex, const EntityRules& rules, const WallFit& fi
   Displacements displacements(complex, *run.ranks);
   carry(complex, wallLines(complex, wall, fit, shares, run.ranks->rank()), displacements, *run.ranks);
   displacements.share();
-  run.ranks->together([&] {
-    displacements.apply(complex);
-    run.report(1.0);
-  });
+  displacements.apply(complex);
+  run.report(1.0);
 }
 
 bool lowerShares(const BlockComplex& complex, const EntityRules& rules, const WallFit& fit,
@@ -505,28 +503,26 @@ WallMotion wallMotion(const BlockComplex& given, const BlockComplex& fitted, con
     double value;
   };
   std::vector<Height> heights;
-  run.ranks->together([&] {
-    for (const int f : wall.faces())
+  for (const int f : wall.faces())
+  {
+    const FaceUse& use = given.faces[f].uses.front();
+    const ComplexBlock& owner = given.blocks[use.block];
+    if (owner.rank != run.ranks->rank())
     {
-      const FaceUse& use = given.faces[f].uses.front();
-      const ComplexBlock& owner = given.blocks[use.block];
-      if (owner.rank != run.ranks->rank())
+      continue;
+    }
+    const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+    for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
+    {
+      for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
       {
-        continue;
-      }
-      const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
-      for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
-      {
-        for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
-        {
-          Ijk above = facePoint(cells, use.face, s, t);
-          const Vec3 x = owner.points(above);
-          above[faceDirection(use.face)] += faceSide(use.face) ? -1 : 1;
-          heights.push_back({ wall.id(use.block, use.face, s, t), (owner.points(above) - x).norm() });
-        }
+        Ijk above = facePoint(cells, use.face, s, t);
+        const Vec3 x = owner.points(above);
+        above[faceDirection(use.face)] += faceSide(use.face) ? -1 : 1;
+        heights.push_back({ wall.id(use.block, use.face, s, t), (owner.points(above) - x).norm() });
       }
     }
-  });
+  }
   std::vector<double> first(wall.size(), std::numeric_limits<double>::infinity());
   for (const Height& height : run.ranks->gatherAll(heights))
   {

@@ -46,55 +46,51 @@ void Displacements::raise(const PointAt& point, const Displacement& displacement
 void Displacements::share()
 {
   std::vector<std::vector<Message>> toRank(this->Group.size());
-  this->Group.together([&] {
-    for (int f = 0; f < static_cast<int>(this->Complex.faces.size()); ++f)
+  for (int f = 0; f < static_cast<int>(this->Complex.faces.size()); ++f)
+  {
+    const ComplexFace& face = this->Complex.faces[f];
+    if (!face.boundary() && this->reachesAny(face.uses))
     {
-      const ComplexFace& face = this->Complex.faces[f];
-      if (!face.boundary() && this->reachesAny(face.uses))
+      const FaceUse& use = face.uses.front();
+      const ComplexBlock& block = this->Complex.blocks[use.block];
+      for (int t = 1; t < block.cells(faceAxis(use.face, 1)); ++t)
       {
-        const FaceUse& use = face.uses.front();
-        const ComplexBlock& block = this->Complex.blocks[use.block];
-        for (int t = 1; t < block.cells(faceAxis(use.face, 1)); ++t)
+        for (int s = 1; s < block.cells(faceAxis(use.face, 0)); ++s)
         {
-          for (int s = 1; s < block.cells(faceAxis(use.face, 0)); ++s)
-          {
-            this->unite({ SharedPoint::Face, f, s, t }, toRank);
-          }
+          this->unite({ SharedPoint::Face, f, s, t }, toRank);
         }
       }
     }
-    for (int e = 0; e < static_cast<int>(this->Complex.edges.size()); ++e)
+  }
+  for (int e = 0; e < static_cast<int>(this->Complex.edges.size()); ++e)
+  {
+    const ComplexEdge& edge = this->Complex.edges[e];
+    for (int k = 1; k < edge.cells && this->reachesAny(edge.uses); ++k)
     {
-      const ComplexEdge& edge = this->Complex.edges[e];
-      for (int k = 1; k < edge.cells && this->reachesAny(edge.uses); ++k)
-      {
-        this->unite({ SharedPoint::Edge, e, k, 0 }, toRank);
-      }
+      this->unite({ SharedPoint::Edge, e, k, 0 }, toRank);
     }
-    for (int v = 0; v < static_cast<int>(this->Complex.vertices.size()); ++v)
+  }
+  for (int v = 0; v < static_cast<int>(this->Complex.vertices.size()); ++v)
+  {
+    if (this->reachesAny(this->Complex.vertices[v].corners))
     {
-      if (this->reachesAny(this->Complex.vertices[v].corners))
-      {
-        this->unite({ SharedPoint::Vertex, v, 0, 0 }, toRank);
-      }
+      this->unite({ SharedPoint::Vertex, v, 0, 0 }, toRank);
     }
-  });
+  }
   const std::vector<std::vector<Message>> received = this->Group.exchange(toRank);
-  this->Group.together([&] {
-    for (const std::vector<Message>& messages : received)
+  for (const std::vector<Message>& messages : received)
+  {
+    for (const Message& message : messages)
     {
-      for (const Message& message : messages)
+      for (const PointAt& copy : this->copies(message.point))
       {
-        for (const PointAt& copy : this->copies(message.point))
+        if (this->isHere(copy.block))
         {
-          if (this->isHere(copy.block))
-          {
-            this->raise(copy, { message.weight, vec3(message.offset) });
-          }
+          this->raise(copy, { message.weight, vec3(message.offset) });
         }
       }
     }
-  });
+  }
 }
 
 void Displacements::apply(BlockComplex& complex)
@@ -272,19 +268,17 @@ void follow(const BlockComplex& complex, std::vector<MeshLine> lines, const Visi
   do
   {
     std::vector<std::vector<MeshLine>> toRank(ranks.size());
-    ranks.together([&] {
-      for (MeshLine& line : lines)
+    for (MeshLine& line : lines)
+    {
+      while (passBlock(complex, line, visit))
       {
-        while (passBlock(complex, line, visit))
+        if (complex.blocks[line.block].rank != ranks.rank())
         {
-          if (complex.blocks[line.block].rank != ranks.rank())
-          {
-            toRank[complex.blocks[line.block].rank].push_back(line);
-            break;
-          }
+          toRank[complex.blocks[line.block].rank].push_back(line);
+          break;
         }
       }
-    });
+    }
     lines.clear();
     for (const std::vector<MeshLine>& part : ranks.exchange(toRank))
     {

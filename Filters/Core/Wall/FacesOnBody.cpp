@@ -76,35 +76,33 @@ std::vector<Place> placesOf(const GridView& points, int face)
 std::vector<std::array<int, 2>> facesOnBody(const BlockMesh& mesh, const BodySurface& body, const Execution& run)
 {
   std::vector<char> on(6 * mesh.blocks.size(), 0);
-  run.ranks->together([&] {
-    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+  {
+    run.report(static_cast<double>(b) / mesh.blocks.size());
+    for (int face = 0; face < 6 && mesh.blocks[b].rank == run.ranks->rank(); ++face)
     {
-      run.report(static_cast<double>(b) / mesh.blocks.size());
-      for (int face = 0; face < 6 && mesh.blocks[b].rank == run.ranks->rank(); ++face)
+      const std::vector<Place> places = placesOf(mesh.blocks[b].points, face);
+      std::vector<char> near(places.size(), 0);
+      const auto isNear = [&](const Place& place) {
+        const double distance = body.closestPoint(place.point).distance;
+        return distance <= ShareOfEdge * place.edge && distance <= Nearer * body.closestPoint(place.next).distance;
+      };
+      // Most faces are far from the body: their middle tells.
+      const Place& middle = places[places.size() / 2];
+      if (body.closestPoint(middle.point).distance > 10.0 * ShareOfEdge * middle.edge)
       {
-        const std::vector<Place> places = placesOf(mesh.blocks[b].points, face);
-        std::vector<char> near(places.size(), 0);
-        const auto isNear = [&](const Place& place) {
-          const double distance = body.closestPoint(place.point).distance;
-          return distance <= ShareOfEdge * place.edge && distance <= Nearer * body.closestPoint(place.next).distance;
-        };
-        // Most faces are far from the body: their middle tells.
-        const Place& middle = places[places.size() / 2];
-        if (body.closestPoint(middle.point).distance > 10.0 * ShareOfEdge * middle.edge)
-        {
-          continue;
-        }
-        run.parallelFor(static_cast<Index>(places.size()), 16, [&](Index begin, Index end) {
-          for (Index n = begin; n < end; ++n)
-          {
-            near[n] = isNear(places[n]) ? 1 : 0;
-          }
-        });
-        on[6 * b + face] =
-          std::count(near.begin(), near.end(), 1) >= ShareOfPoints * static_cast<double>(places.size()) ? 1 : 0;
+        continue;
       }
+      run.parallelFor(static_cast<Index>(places.size()), 16, [&](Index begin, Index end) {
+        for (Index n = begin; n < end; ++n)
+        {
+          near[n] = isNear(places[n]) ? 1 : 0;
+        }
+      });
+      on[6 * b + face] =
+        std::count(near.begin(), near.end(), 1) >= ShareOfPoints * static_cast<double>(places.size()) ? 1 : 0;
     }
-  });
+  }
   run.ranks->share(on, [&](Index n) { return mesh.blocks[n / 6].rank; });
   std::vector<std::array<int, 2>> faces;
   for (std::size_t n = 0; n < on.size(); ++n)

@@ -47,54 +47,52 @@ public:
     this->Nets.resize(complex.blocks.size());
     std::map<SurfacePointKey, Index> numbers;
     bool wall = false;
-    run.ranks->together([&] {
-      for (std::size_t f = 0; f < complex.faces.size(); ++f)
+    for (std::size_t f = 0; f < complex.faces.size(); ++f)
+    {
+      const ComplexFace& face = complex.faces[f];
+      if (roleOf(conversion, face) != BoundaryRole::Body)
       {
-        const ComplexFace& face = complex.faces[f];
-        if (roleOf(conversion, face) != BoundaryRole::Body)
+        continue;
+      }
+      wall = true;
+      const FaceUse& use = face.uses.front();
+      if (complex.blocks[use.block].rank != rank)
+      {
+        continue;
+      }
+      WallSpacingResult::Side side{ use.block, use.face, {} };
+      for (int t = 0; t <= this->cells(use, 1); ++t)
+      {
+        for (int s = 0; s <= this->cells(use, 0); ++s)
         {
-          continue;
-        }
-        wall = true;
-        const FaceUse& use = face.uses.front();
-        if (complex.blocks[use.block].rank != rank)
-        {
-          continue;
-        }
-        WallSpacingResult::Side side{ use.block, use.face, {} };
-        for (int t = 0; t <= this->cells(use, 1); ++t)
-        {
-          for (int s = 0; s <= this->cells(use, 0); ++s)
+          const Vec3 x = this->point(use, s, t, 0);
+          const SurfacePointKey key = surfacePointKey(complex, use, s, t);
+          const auto found = numbers.emplace(key, result.points.size());
+          if (found.second)
           {
-            const Vec3 x = this->point(use, s, t, 0);
-            const SurfacePointKey key = surfacePointKey(complex, use, s, t);
-            const auto found = numbers.emplace(key, result.points.size());
-            if (found.second)
-            {
-              result.points.push_back(x);
-              this->Keys.push_back(key);
-            }
-            side.vertices.push_back(found.first->second);
+            result.points.push_back(x);
+            this->Keys.push_back(key);
           }
+          side.vertices.push_back(found.first->second);
         }
-        this->Faces.push_back(static_cast<int>(f));
-        result.sides.push_back(std::move(side));
-        const int parent = complex.blocks[use.block].parent;
-        result.spacingPoints[parent].assign(mesh.blocks[parent].points.size(), NaN);
       }
-      for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+      this->Faces.push_back(static_cast<int>(f));
+      result.sides.push_back(std::move(side));
+      const int parent = complex.blocks[use.block].parent;
+      result.spacingPoints[parent].assign(mesh.blocks[parent].points.size(), NaN);
+    }
+    for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+    {
+      const ComplexBlock& block = complex.blocks[b];
+      if (block.rank == rank)
       {
-        const ComplexBlock& block = complex.blocks[b];
-        if (block.rank == rank)
-        {
-          // Not initialised: only what lies near the wall is ever touched.
-          const Index count = Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
-          this->Points.emplace_back(new double[3 * count]);
-          this->Codes.emplace_back(new std::uint8_t[count]);
-          this->Nets[b] = { this->Points.back().get(), this->Codes.back().get() };
-        }
+        // Not initialised: only what lies near the wall is ever touched.
+        const Index count = Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
+        this->Points.emplace_back(new double[3 * count]);
+        this->Codes.emplace_back(new std::uint8_t[count]);
+        this->Nets[b] = { this->Points.back().get(), this->Codes.back().get() };
       }
-    });
+    }
     if (!wall)
     {
       throw Error("the mesh has no wall: none of its boundaries is part of the body");
@@ -192,37 +190,35 @@ public:
     };
     Verdict worst;
     const auto needsMore = [](const Verdict& a, const Verdict& b) { return a.height / a.target > b.height / b.target; };
-    this->Run.ranks->together([&] {
-      for (std::size_t w = 0; w < this->Result.sides.size(); ++w)
-      {
-        const WallSpacingResult::Side& side = this->Result.sides[w];
-        const FaceUse use{ side.block, side.face };
-        const int ns = this->cells(use, 0) + 1;
-        std::vector<Guess> guesses(side.vertices.size());
-        this->Run.parallelFor(static_cast<Index>(guesses.size()), 16, [&](Index begin, Index end) {
-          for (Index i = begin; i < end; ++i)
-          {
-            guesses[i] = this->guessAt(this->line(use, int(i % ns), int(i / ns)), this->target(side.vertices[i]));
-          }
-        });
-        for (std::size_t i = 0; i < guesses.size(); ++i)
+    for (std::size_t w = 0; w < this->Result.sides.size(); ++w)
+    {
+      const WallSpacingResult::Side& side = this->Result.sides[w];
+      const FaceUse use{ side.block, side.face };
+      const int ns = this->cells(use, 0) + 1;
+      std::vector<Guess> guesses(side.vertices.size());
+      this->Run.parallelFor(static_cast<Index>(guesses.size()), 16, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i)
         {
-          const Index v = side.vertices[i];
-          const Guess& guess = guesses[i];
-          int reaching = -1;
-          for (int level = MaxSamplingLevel; level >= 0; --level)
-          {
-            reaching = guess.reaches[level] ? level : reaching;
-            worst.fails[level] = worst.fails[level] || !guess.reaches[level];
-          }
-          this->Result.reachingLevel[v] = std::max(this->Result.reachingLevel[v], reaching);
-          const Verdict line{ worst.fails, guess.height, this->target(v), this->Faces[w], this->rise(use) };
-          worst = guess.fixed && needsMore(line, worst) ? line : worst;
-          const Choice choice{ guess.spacing, guess.firstCell, guess.fixed ? 0 : 1 };
-          choices[v] = choice < choices[v] ? choice : choices[v];
+          guesses[i] = this->guessAt(this->line(use, int(i % ns), int(i / ns)), this->target(side.vertices[i]));
         }
+      });
+      for (std::size_t i = 0; i < guesses.size(); ++i)
+      {
+        const Index v = side.vertices[i];
+        const Guess& guess = guesses[i];
+        int reaching = -1;
+        for (int level = MaxSamplingLevel; level >= 0; --level)
+        {
+          reaching = guess.reaches[level] ? level : reaching;
+          worst.fails[level] = worst.fails[level] || !guess.reaches[level];
+        }
+        this->Result.reachingLevel[v] = std::max(this->Result.reachingLevel[v], reaching);
+        const Verdict line{ worst.fails, guess.height, this->target(v), this->Faces[w], this->rise(use) };
+        worst = guess.fixed && needsMore(line, worst) ? line : worst;
+        const Choice choice{ guess.spacing, guess.firstCell, guess.fixed ? 0 : 1 };
+        choices[v] = choice < choices[v] ? choice : choices[v];
       }
-    });
+    }
     this->agree(choices, std::less<Choice>());
     this->agree(this->Result.reachingLevel, std::greater<int>());
     for (const Choice& choice : choices)
@@ -252,7 +248,7 @@ public:
     this->PresentLayers = worst.layers;
     if (worst.height > 0.0)
     {
-      this->Run.ranks->together([&] { this->Result.layersForAll = this->layersFor(worst.height, worst.target); });
+      this->Result.layersForAll = this->layersFor(worst.height, worst.target);
     }
   }
 
@@ -265,27 +261,25 @@ public:
     this->Result.firstHeight.assign(count, Infinity);
     this->Result.growth.assign(count, 1.0);
     // A vertex of several faces is measured in each of them, equal up to rounding.
-    this->Run.ranks->together([&] {
-      for (const WallSpacingResult::Side& side : this->Result.sides)
-      {
-        const int ns = this->cells({ side.block, side.face }, 0) + 1;
-        std::vector<std::array<double, 2>> values(side.vertices.size());
-        this->Run.parallelFor(static_cast<Index>(values.size()), 64, [&](Index begin, Index end) {
-          for (Index i = begin; i < end; ++i)
-          {
-            const WallColumn column = this->column({ side.block, side.face }, int(i % ns), int(i / ns));
-            values[i] = { column.firstHeight(this->Options.level), column.growth(this->Options.level) };
-          }
-        });
-        for (std::size_t i = 0; i < values.size(); ++i)
+    for (const WallSpacingResult::Side& side : this->Result.sides)
+    {
+      const int ns = this->cells({ side.block, side.face }, 0) + 1;
+      std::vector<std::array<double, 2>> values(side.vertices.size());
+      this->Run.parallelFor(static_cast<Index>(values.size()), 64, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i)
         {
-          double& height = this->Result.firstHeight[side.vertices[i]];
-          double& growth = this->Result.growth[side.vertices[i]];
-          height = std::min(height, values[i][0]);
-          growth = std::max(growth, values[i][1]);
+          const WallColumn column = this->column({ side.block, side.face }, int(i % ns), int(i / ns));
+          values[i] = { column.firstHeight(this->Options.level), column.growth(this->Options.level) };
         }
+      });
+      for (std::size_t i = 0; i < values.size(); ++i)
+      {
+        double& height = this->Result.firstHeight[side.vertices[i]];
+        double& growth = this->Result.growth[side.vertices[i]];
+        height = std::min(height, values[i][0]);
+        growth = std::max(growth, values[i][1]);
       }
-    });
+    }
     this->agree(this->Result.firstHeight, std::less<double>());
     this->agree(this->Result.growth, std::greater<double>());
   }
@@ -553,27 +547,23 @@ private:
         toRank[next].push_back(counter);
       }
     };
-    ranks.together([&] {
-      for (const WallSpacingResult::Side& side : result.sides)
+    for (const WallSpacingResult::Side& side : result.sides)
+    {
+      const FaceUse use{ side.block, side.face };
+      const int ns = this->cells(use, 0) + 1;
+      for (std::size_t i = 0; i < side.vertices.size(); ++i)
       {
-        const FaceUse use{ side.block, side.face };
-        const int ns = this->cells(use, 0) + 1;
-        for (std::size_t i = 0; i < side.vertices.size(); ++i)
-        {
-          move(this->counterAt(use, int(i) % ns, int(i) / ns, side.vertices[i]));
-        }
+        move(this->counterAt(use, int(i) % ns, int(i) / ns, side.vertices[i]));
       }
-    });
+    }
     while (ranks.any(std::any_of(toRank.begin(), toRank.end(), [](const auto& list) { return !list.empty(); })))
     {
       const std::vector<std::vector<Counter>> received = ranks.exchange(toRank);
       toRank.assign(ranks.size(), {});
-      ranks.together([&] {
-        for (const std::vector<Counter>& list : received)
-        {
-          std::for_each(list.begin(), list.end(), move);
-        }
-      });
+      for (const std::vector<Counter>& list : received)
+      {
+        std::for_each(list.begin(), list.end(), move);
+      }
     }
     this->agree(result.cells, std::less<double>());
   }
@@ -824,7 +814,7 @@ WallSpacingResult wallSpacing(const BlockMesh& mesh, const BlockComplex& complex
     wall.measure();
   }
   wall.finish();
-  run.ranks->together([&] { run.report(1.0); });
+  run.report(1.0);
   return result;
 }
 

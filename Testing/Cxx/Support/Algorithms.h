@@ -60,8 +60,8 @@ struct Told
   std::vector<double> progress;
 };
 
-/// Runs `algorithm`: `atProgress` is called after each report of progress.
-inline Told run(vtkAlgorithm* algorithm, const Steps& atProgress = {})
+/// Runs `algorithm` for a piece: `atProgress` is called after each report of progress.
+inline Told run(vtkAlgorithm* algorithm, const Steps& atProgress = {}, int piece = 0, int pieces = 1)
 {
   struct Listener : vtkCommand
   {
@@ -98,7 +98,7 @@ inline Told run(vtkAlgorithm* algorithm, const Steps& atProgress = {})
   }
   else
   {
-    algorithm->Update();
+    algorithm->UpdatePiece(piece, pieces, 0);
   }
   for (const auto& [object, tag] : tags)
   {
@@ -186,7 +186,7 @@ public:
     std::function<vtkSmartPointer<vtkAlgorithm>()> make;
     /// What a writer writes.
     std::string file;
-    std::vector<vtkDataObject*> inputs;
+    std::vector<vtkSmartPointer<vtkDataObject>> inputs;
   };
 
   static constexpr int Count = 4;
@@ -215,11 +215,54 @@ public:
     return result;
   }
 
+  /// Applies `change` to a copy of each.
+  void change(const std::function<void(vtkDataObject*)>& change)
+  {
+    for (vtkSmartPointer<vtkDataObject> Inputs::*member : Members)
+    {
+      auto changed = vtkSmartPointer<vtkDataObject>::Take((this->*member)->NewInstance());
+      changed->DeepCopy(this->*member);
+      change(changed);
+      this->*member = changed;
+    }
+  }
+
+  /// What rank `rank` of `size` has: every so many blocks and hexahedra, and copies of what all have.
+  Inputs part(int rank, int size) const
+  {
+    Inputs result = *this;
+    result.change([&](vtkDataObject* data) {
+      if (auto* tree = vtkPartitionedDataSetCollection::SafeDownCast(data))
+      {
+        for (unsigned int b = 0; b < tree->GetNumberOfPartitionedDataSets(); ++b)
+        {
+          if (static_cast<int>(b) % size != rank)
+          {
+            tree->SetPartition(b, 0, nullptr);
+          }
+        }
+      }
+      else if (auto* grid = vtkUnstructuredGrid::SafeDownCast(data))
+      {
+        vtkNew<vtkUnstructuredGrid> whole;
+        whole->DeepCopy(grid);
+        grid->AllocateExact(whole->GetNumberOfCells(), 8);
+        vtkNew<vtkIdList> corners;
+        for (vtkIdType cell = rank; cell < whole->GetNumberOfCells(); cell += size)
+        {
+          whole->GetCellPoints(cell, corners);
+          grid->InsertNextCell(whole->GetCellType(cell), corners);
+        }
+      }
+    });
+    return result;
+  }
+
   /// Filters and the source.
   std::vector<Case> filters() const
   {
     std::vector<Case> cases;
-    const auto add = [&](auto* type, const std::string& name, const std::vector<vtkDataObject*>& inputs,
+    const auto add = [&](auto* type, const std::string& name, const std::vector<vtkSmartPointer<vtkDataObject>>& inputs,
                        const auto& configure) {
       using Algorithm = std::remove_pointer_t<decltype(type)>;
       cases.push_back({ name,
@@ -267,7 +310,7 @@ public:
   std::vector<Case> writers() const
   {
     std::vector<Case> cases;
-    const auto add = [&](auto* type, vtkDataObject* input, const std::string& file) {
+    const auto add = [&](auto* type, const vtkSmartPointer<vtkDataObject>& input, const std::string& file) {
       using Writer = std::remove_pointer_t<decltype(type)>;
       const std::string path = this->Folder + file;
       cases.push_back({ "writer of " + file,

@@ -7,6 +7,7 @@
 #include "Ranks/RankGroup.h"
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -49,7 +50,7 @@ public:
   {
     std::unique_lock<std::mutex> lock(this->Guard);
     std::deque<std::vector<char>>& box = this->Mail[from * this->size() + to];
-    this->Arrival.wait(lock, [&] { return !box.empty() || this->Left; });
+    this->Arrival.wait_for(lock, Patience, [&] { return !box.empty() || this->Left; });
     if (box.empty() || static_cast<bsv::Index>(box.front().size()) != size)
     {
       throw bsv::Error("no message of this length comes from another rank");
@@ -66,6 +67,9 @@ public:
   }
 
 private:
+  /// A rank that waits so long would wait for ever.
+  static constexpr std::chrono::seconds Patience{ 300 };
+
   void meet()
   {
     std::unique_lock<std::mutex> lock(this->Guard);
@@ -76,7 +80,7 @@ private:
       ++this->Round;
       this->Arrival.notify_all();
     }
-    this->Arrival.wait(lock, [&] { return this->Round != round || this->Left; });
+    this->Arrival.wait_for(lock, Patience, [&] { return this->Round != round || this->Left; });
     if (this->Round == round)
     {
       throw bsv::Error("another rank does not communicate any more");

@@ -315,7 +315,7 @@ TEST(DistributedBodyFit, AbortOfOneEndsAll)
     const BlockMesh part = distributed(mesh, rankOf, run.ranks->rank());
     BlockComplex complex = buildBlockComplex(part, {}, run);
     run.progress = [&](double) { return run.ranks->rank() != 1; };
-    EXPECT_THROW(fitBody(complex, test.conversion, test.fit, run), Aborted);
+    EXPECT_THROW(run.ranks->together([&] { fitBody(complex, test.conversion, test.fit, run); }), Aborted);
   });
   EXPECT_EQ(errors, std::vector<std::string>(3));
 }

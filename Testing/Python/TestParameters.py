@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Ranks compare the properties of an algorithm by what it prints: so every property of the panel is printed, with all
+digits that matter, and nothing that differs between two equal objects or from run to run."""
+import glob
+import os
+import sys
+import xml.etree.ElementTree as ElementTree
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import bsplinevolume
+from bsv_support import ROOT, main, vtk
+
+
+def proxies():
+    """Class and element of every algorithm in the XML."""
+    for file in sorted(glob.glob(os.path.join(ROOT, "Plugin", "*.xml"))):
+        for proxy in ElementTree.parse(file).iter():
+            if proxy.tag in ("SourceProxy", "WriterProxy") and proxy.get("class"):
+                yield proxy.get("class"), proxy
+
+
+def own_text(algorithm):
+    """What the class adds to what VTK prints of all objects."""
+    common = {line.split(":")[0].strip() for line in str(vtk.vtkTrivialProducer()).splitlines()[1:]}
+    return [line for line in str(algorithm).splitlines()[1:] if line.split(":")[0].strip() not in common]
+
+
+def arguments(prop):
+    """Arguments of the setter, the default ones not alone among them."""
+    kind = prop.tag[:-len("VectorProperty")]
+    width = int(prop.get("number_of_elements_per_command") or prop.get("number_of_elements") or 1)
+    if prop.get("use_index") == "1":
+        return [[0, 0.4375]]
+    defaults = (prop.get("default_values") or "").split()
+    if kind == "String":
+        types = (prop.get("element_types") or "2").split()
+        return [["other" if types[n % len(types)] == "2" else 0 for n in range(width)]]
+    if kind == "Double":
+        return [[0.4375] * width]
+    entries = [[int(entry.get("value"))] for entry in prop.iter("Entry")]
+    if entries:
+        return entries
+    if prop.find("BooleanDomain") is not None:
+        return [[0], [1]]
+    default = int(float(defaults[0])) if defaults else 0
+    return [[default + 1] * width, [default - 1] * width]
+
+
+def test_every_property_is_printed():
+    found = 0
+    for name, proxy in proxies():
+        for prop in proxy:
+            if not prop.tag.endswith("VectorProperty") or prop.get("information_only") == "1" or \
+                    prop.get("si_class") or not prop.get("command"):
+                continue
+            algorithm = getattr(bsplinevolume, name)()
+            if prop.get("set_number_command"):
+                getattr(algorithm, prop.get("set_number_command"))(1)
+            texts = {tuple(own_text(algorithm))}
+            for values in arguments(prop):
+                try:
+                    getattr(algorithm, prop.get("command"))(*values)
+                except TypeError:
+                    getattr(algorithm, prop.get("command"))(values[0], 0.4375)
+                texts.add(tuple(own_text(algorithm)))
+            assert len(texts) > 1, (name, prop.get("name"), texts)
+            found += 1
+    print("%d properties" % found)
+    assert found > 100
+
+
+def test_equal_objects_print_the_same():
+    for name in sorted({name for name, _ in proxies()}):
+        cls = getattr(bsplinevolume, name)
+        first, second = own_text(cls()), own_text(cls())
+        assert first == second, (name, first, second)
+        assert not any("0x" in line for line in first), (name, first)
+
+
+if __name__ == "__main__":
+    main(globals())
