@@ -201,8 +201,11 @@ def bits(data):
 def demo_mesh(cells=8):
     """Proxy of a reader of the demonstration mesh."""
     import make_demo_mesh
-    with tempfile.TemporaryDirectory() as folder:
-        path = make_demo_mesh.write_demo(folder, cells)
+    with shared_folder() as folder:
+        path = os.path.join(folder, "demo.xyz")
+        if RANK == 0:
+            assert make_demo_mesh.write_demo(folder, cells) == path
+        total(0)
         reader = simple.HexBlockMeshReader(FileName=path)
         reader.UpdatePipeline()
         data = client(reader).GetOutputDataObject(0)
