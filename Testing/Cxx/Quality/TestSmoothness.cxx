@@ -1033,7 +1033,7 @@ TEST(Smoothness, ErrorsAndAbortsOfOneRankAreThoseOfAll)
   };
   const auto stopped = onRanks(3, [&](Execution run) {
     run.progress = [&](double) { return run.ranks->rank() != 2; };
-    EXPECT_THROW(measure(run), Aborted);
+    EXPECT_THROW(run.ranks->together([&] { measure(run); }), Aborted);
   });
   EXPECT_EQ(stopped, std::vector<std::string>(3));
   volumes[3].points = broken.data();
