@@ -489,12 +489,12 @@ bsv::BodyDistance wallDistance(const Conversion& conversion, const bsv::Conversi
 }
 
 /// How close the wall is to the body.
-std::string wallSentence(const WallPoints& wall, bool hasBody, const bsv::BodyDistance& distance)
+std::vector<std::string> wallSentences(const WallPoints& wall, bool hasBody, const bsv::BodyDistance& distance)
 {
   if (!hasBody)
   {
-    return wall.onBody ? "Wall: within " + bsv::shortNumber(wall.distance) + " of the mesh points"
-                       : "Wall: no body given";
+    return { wall.onBody ? "Wall: within " + bsv::shortNumber(wall.distance) + " of the mesh points"
+                         : "Wall: no body given" };
   }
   std::string text = "Wall: within " + bsv::shortNumber(distance.largest) + " of the body";
   if (distance.inEdges > 0.0)
@@ -509,7 +509,12 @@ std::string wallSentence(const WallPoints& wall, bool hasBody, const bsv::BodyDi
       text += ' ' + bsv::shortNumber(x);
     }
   }
-  return text + "; mesh points moved by at most " + bsv::shortNumber(wall.displacement);
+  std::vector<std::string> sentences{ text };
+  if (wall.displacement > 0.0)
+  {
+    sentences.push_back("Wall points: moved by at most " + bsv::shortNumber(wall.displacement));
+  }
+  return sentences;
 }
 
 /// Whether any block has knots in three directions. Collective.
@@ -1055,8 +1060,11 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       lines.emplace_back("Watertight: blocks share their control points; joins not measured (Check Joins)");
     }
     // At knots and between them: interpolation can overshoot where spacing changes.
-    lines.push_back(wallSentence(wallPoints, options.body != nullptr,
-      options.body ? wallDistance(result, options, *options.body, execution(0.8, 0.8)) : bsv::BodyDistance{}));
+    for (std::string& sentence : wallSentences(wallPoints, options.body != nullptr,
+           options.body ? wallDistance(result, options, *options.body, execution(0.8, 0.8)) : bsv::BodyDistance{}))
+    {
+      lines.push_back(std::move(sentence));
+    }
     if (counts.spans.checked > 0)
     {
       const bsv::Index bad = counts.spans.invalid + counts.spans.invalidCells;
