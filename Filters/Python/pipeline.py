@@ -158,6 +158,11 @@ def vtk_reader(path):
     window.AddObserver("ErrorEvent", note)
     vtkOutputWindow.SetInstance(window)
     try:
+        if reader.IsA("vtkExodusIIReader"):
+            # Its boundaries, which it leaves out unless asked.
+            reader.UpdateInformation()
+            for n in range(reader.GetNumberOfSideSetArrays()):
+                reader.SetSideSetArrayStatus(reader.GetSideSetArrayName(n), 1)
         reader.Update()
     finally:
         vtkOutputWindow.SetInstance(before)
