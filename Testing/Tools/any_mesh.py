@@ -185,7 +185,7 @@ def decompositions(folder, most):
         meshes.append((os.path.basename(path), collection([data]), None, None))
     for count in (1, 8, 100, 1000, 10000):
         if count <= most:
-            meshes.append(("lattice", lattice(count), count, count <= 100))
+            meshes.append(("lattice", lattice(count), count, count <= 1000))
     for name, data, count, structured in meshes:
         random = hexahedra.unstructured(data, 1)
         made, report, seconds, memory = decompose(random)
