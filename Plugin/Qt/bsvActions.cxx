@@ -108,7 +108,9 @@ void linkCameras(pqView* one, pqView* other)
 {
   auto* from = vtkSMRenderViewProxy::SafeDownCast(one->getProxy());
   auto* to = vtkSMRenderViewProxy::SafeDownCast(other->getProxy());
-  for (const char* property : { "CameraPosition", "CameraFocalPoint", "CameraViewUp" })
+  // Pictures that fill the view have an angle of their own.
+  for (const char* property :
+    { "CameraPosition", "CameraFocalPoint", "CameraViewUp", "CameraViewAngle", "CameraParallelScale" })
   {
     const std::vector<double> value = vtkSMPropertyHelper(from, property, true).GetDoubleArray();
     vtkSMPropertyHelper(to, property).Set(value.data(), static_cast<unsigned int>(value.size()));

@@ -18,6 +18,8 @@
 #include "vtkSelectionNode.h"
 #include "vtkSmartPointer.h"
 
+#include <QEvent>
+#include <QPointer>
 #include <QTimer>
 #include <QVariant>
 #include <QWidget>
@@ -25,6 +27,96 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
+
+namespace
+{
+
+/// Moves the camera back with every width that a view gets while the window is laid out, until it has been quiet for a
+/// while: views pass through widths between the first and the last, some of them late on a busy machine.
+class WidthKeeper : public QObject
+{
+public:
+  /// The one that the view has, or null.
+  static WidthKeeper* of(pqRenderView* view)
+  {
+    return static_cast<WidthKeeper*>(view->widget()->findChild<QObject*>(Name, Qt::FindDirectChildrenOnly));
+  }
+
+  WidthKeeper(pqRenderView* view)
+    : QObject(view->widget())
+    , View(view)
+    , Last(view->widget()->width())
+  {
+    this->setObjectName(Name);
+    view->widget()->installEventFilter(this);
+    this->Quiet.setSingleShot(true);
+    QObject::connect(&this->Quiet, &QTimer::timeout, this, [this]() { this->finish(); });
+    this->Quiet.start(Pause);
+  }
+
+  void callAtTheEnd(std::function<void()> then) { this->Then = std::move(then); }
+
+  /// The view had this width before.
+  void follow(int before)
+  {
+    this->Last = before;
+    this->adapt();
+  }
+
+protected:
+  bool eventFilter(QObject* watched, QEvent* event) override
+  {
+    if (event->type() == QEvent::Resize)
+    {
+      this->adapt();
+      this->Quiet.start(Pause);
+    }
+    return QObject::eventFilter(watched, event);
+  }
+
+private:
+  static constexpr const char* Name = "bsvWidthKeeper";
+  static constexpr int Pause = 400; // milliseconds
+
+  void adapt()
+  {
+    const int now = this->View ? this->View->widget()->width() : 0;
+    if (now > 0 && this->Last > 0 && now != this->Last)
+    {
+      const double part = static_cast<double>(now) / this->Last;
+      auto* proxy = vtkSMRenderViewProxy::SafeDownCast(this->View->getProxy());
+      vtkCamera* camera = proxy->GetActiveCamera();
+      camera->Dolly(part);
+      camera->SetParallelScale(camera->GetParallelScale() / part);
+      proxy->GetRenderer()->ResetCameraClippingRange();
+      proxy->UpdatePropertyInformation();
+    }
+    this->Last = now > 0 ? now : this->Last;
+  }
+
+  void finish()
+  {
+    this->deleteLater();
+    if (!this->View)
+    {
+      return;
+    }
+    this->View->widget()->removeEventFilter(this);
+    if (this->Then)
+    {
+      this->Then();
+    }
+    this->View->render();
+  }
+
+  QPointer<pqRenderView> View;
+  std::function<void()> Then;
+  QTimer Quiet;
+  int Last;
+};
+
+} // namespace
 
 namespace bsv
 {
@@ -118,34 +210,21 @@ void flyTo(const std::array<double, 6>& bounds, const std::array<double, 3>& inw
 //------------------------------------------------------------------------------
 void keepWidth(pqRenderView* view, const std::function<void()>& makeRoom, const std::function<void()>& then, int before)
 {
-  before = before > 0 || !view ? before : view->widget()->width();
-  makeRoom();
-  static const char* const busy = "bsvKeepsWidth";
-  if (!view || (view->property(busy).toBool() && !then))
+  WidthKeeper* keeper = view ? WidthKeeper::of(view) : nullptr;
+  if (view && !keeper)
   {
-    return;
+    // Its parent is the widget: it goes with the view.
+    keeper = new WidthKeeper(view);
+    if (before > 0)
+    {
+      keeper->follow(before);
+    }
   }
-  view->setProperty(busy, true);
-  constexpr int afterLayout = 100; // milliseconds
-  QTimer::singleShot(afterLayout, view, [view, before, then]() {
-    view->setProperty(busy, false);
-    const int now = view->widget()->width();
-    auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getProxy());
-    if (now > 0 && before > now)
-    {
-      vtkCamera* camera = proxy->GetActiveCamera();
-      const double part = static_cast<double>(now) / before;
-      camera->Dolly(part);
-      camera->SetParallelScale(camera->GetParallelScale() / part);
-      proxy->GetRenderer()->ResetCameraClippingRange();
-      proxy->UpdatePropertyInformation();
-    }
-    if (then)
-    {
-      then();
-    }
-    view->render();
-  });
+  if (keeper && then)
+  {
+    keeper->callAtTheEnd(then);
+  }
+  makeRoom();
 }
 
 } // namespace bsv

@@ -25,8 +25,8 @@ int selectedCell(pqOutputPort* port);
 /// looks so already; zeros: from where it is
 void flyTo(const std::array<double, 6>& bounds, const std::array<double, 3>& inwards);
 
-/// Makes room beside a view and shows as much of the width as before: the camera goes back. The view gets its new size
-/// when the window is laid out, and `then` is called after that.
+/// Makes room beside a view and shows as much of the width as before: the camera goes back with every width that the
+/// view gets while the window is laid out; `then` is called when that is over.
 /// @param before the width before, or 0: what it is when this is called
 void keepWidth(
   pqRenderView* view, const std::function<void()>& makeRoom, const std::function<void()>& then = {}, int before = 0);
