@@ -204,38 +204,39 @@ void bsvActions::beforeAndAfter()
   }
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
   pqObjectBuilder* builder = pqApplicationCore::instance()->getObjectBuilder();
-  pqView* after = pqActiveObjects::instance().activeView();
-  if (!qobject_cast<pqRenderView*>(after))
+  pqView* before = pqActiveObjects::instance().activeView();
+  if (!qobject_cast<pqRenderView*>(before))
   {
-    after = builder->createView(pqRenderView::renderViewType(), filter->getServer());
-    controller->AssignViewToLayout(after->getViewProxy());
+    before = builder->createView(pqRenderView::renderViewType(), filter->getServer());
+    controller->AssignViewToLayout(before->getViewProxy());
   }
   // Made when the window is split, linked when both views have their sizes.
-  const auto before = std::make_shared<QPointer<pqView>>();
+  const auto after = std::make_shared<QPointer<pqView>>();
   bsv::keepWidth(
-    qobject_cast<pqRenderView*>(after),
+    qobject_cast<pqRenderView*>(before),
     [&]() {
-      *before = builder->createView(pqRenderView::renderViewType(), filter->getServer());
-      controller->AssignViewToLayout((*before)->getViewProxy());
+      *after = builder->createView(pqRenderView::renderViewType(), filter->getServer());
+      controller->AssignViewToLayout((*after)->getViewProxy());
     },
-    [one = QPointer<pqView>(after), before]() {
-      if (one && *before)
+    [one = QPointer<pqView>(before), after]() {
+      if (one && *after)
       {
-        linkCameras(one, *before);
+        linkCameras(one, *after);
       }
     });
+  before->rename("Before: mesh");
+  (*after)->rename("After: volume");
 
-  pqOutputPort* mesh = filter->getInputs("Input").first();
-  controller->Hide(
-    vtkSMSourceProxy::SafeDownCast(mesh->getSource()->getProxy()), mesh->getPortNumber(), after->getViewProxy());
   // One verdict and one legend are too much for half a window.
-  controller->Hide(vtkSMSourceProxy::SafeDownCast(filter->getProxy()), 1, after->getViewProxy());
-  if (vtkSMProxy* display = showWithNet(filter->getOutputPort(0), after))
+  auto* conversion = vtkSMSourceProxy::SafeDownCast(filter->getProxy());
+  controller->Hide(conversion, 0, before->getViewProxy());
+  controller->Hide(conversion, 1, before->getViewProxy());
+  showWithNet(filter->getInputs("Input").first(), before);
+  if (vtkSMProxy* display = showWithNet(filter->getOutputPort(0), *after))
   {
     vtkSMPropertyHelper(display, "ShowPartsLegend").Set(0);
     display->UpdateVTKObjects();
   }
-  showWithNet(mesh, *before);
 }
 
 //------------------------------------------------------------------------------
