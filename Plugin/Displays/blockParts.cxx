@@ -537,27 +537,19 @@ vtkSmartPointer<vtkDataObject> treeOf(vtkDataObject* input,
     return inOrder.empty() || !inOrder[0] ? vtkSmartPointer<vtkPolyData>::New()
                                           : vtkSmartPointer<vtkPolyData>(inOrder[0]);
   }
-  auto result = vtkSmartPointer<vtkDataObjectTree>::Take(tree->NewInstance());
-  result->CopyStructure(tree);
-  auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
-  leaves->VisitOnlyLeavesOn();
-  leaves->TraverseSubTreeOn();
   // Points that had to be converted are not those of the leaf: then the order tells.
   std::size_t next = 0;
-  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
-  {
-    auto* grid = vtkStructuredGrid::SafeDownCast(leaves->GetCurrentDataObject());
+  return withLeaves(tree, [&](vtkDataObject* leaf) -> vtkSmartPointer<vtkPolyData> {
+    auto* grid = vtkStructuredGrid::SafeDownCast(leaf);
     if (!grid || grid->GetNumberOfPoints() == 0)
     {
-      continue;
+      return nullptr;
     }
     const auto found = byPoints.find(grid->GetPoints());
     vtkPolyData* surface = found != byPoints.end() ? found->second : next < inOrder.size() ? inOrder[next] : nullptr;
     ++next;
-    vtkNew<vtkPolyData> none;
-    result->SetDataSetFrom(leaves, surface ? surface : none.Get());
-  }
-  return result;
+    return surface ? vtkSmartPointer<vtkPolyData>(surface) : vtkSmartPointer<vtkPolyData>::New();
+  });
 }
 
 //------------------------------------------------------------------------------
@@ -1259,18 +1251,9 @@ void complexParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptio
     surface->ShallowCopy(normals->GetOutput());
   }
   box = sharedBox(box, ranks);
-  auto* tree = vtkDataObjectTree::SafeDownCast(input);
-  auto result = vtkSmartPointer<vtkDataObjectTree>::Take(tree->NewInstance());
-  result->CopyStructure(tree);
-  auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
-  leaves->VisitOnlyLeavesOn();
-  leaves->TraverseSubTreeOn();
-  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
-  {
-    vtkNew<vtkPolyData> none;
-    result->SetDataSetFrom(leaves, leaves->GetCurrentDataObject() == faces ? surface.Get() : none.Get());
-  }
-  parts.surfaces = result;
+  parts.surfaces = withLeaves(vtkDataObjectTree::SafeDownCast(input), [&](vtkDataObject* leaf) {
+    return leaf == faces ? vtkSmartPointer<vtkPolyData>(surface) : vtkSmartPointer<vtkPolyData>::New();
+  });
 
   LineBuilder nets, curves;
   nets.limit(box, options.reach);
@@ -1322,6 +1305,24 @@ void complexParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptio
 }
 
 } // namespace
+
+vtkSmartPointer<vtkDataObjectTree> withLeaves(
+  vtkDataObjectTree* tree, const std::function<vtkSmartPointer<vtkPolyData>(vtkDataObject*)>& surfaceOf)
+{
+  auto result = vtkSmartPointer<vtkDataObjectTree>::Take(tree->NewInstance());
+  result->CopyStructure(tree);
+  auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
+  leaves->VisitOnlyLeavesOn();
+  leaves->TraverseSubTreeOn();
+  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
+  {
+    if (const vtkSmartPointer<vtkPolyData> surface = surfaceOf(leaves->GetCurrentDataObject()))
+    {
+      result->SetDataSetFrom(leaves, surface);
+    }
+  }
+  return result;
+}
 
 BlockParts blockParts(vtkDataObject* input, const BlockPartsOptions& options, const Execution& run)
 {

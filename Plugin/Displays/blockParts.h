@@ -9,9 +9,12 @@
 
 #include "Base/Types.h"
 
+#include "vtkDataObjectTree.h"
+#include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -61,6 +64,10 @@ struct BlockParts
   /// How the surfaces were chosen: the walls by their names, the outer faces around a hole, or all outer faces.
   std::string wallText;
 };
+
+/// A tree of the same structure and names with surfaceOf(leaf) in place of each leaf; null leaves the place empty.
+vtkSmartPointer<vtkDataObjectTree> withLeaves(
+  vtkDataObjectTree* tree, const std::function<vtkSmartPointer<vtkPolyData>(vtkDataObject*)>& surfaceOf);
 
 /// Collective. What is wrong with the input is not told here but by the filters: of blocks that do not fit together all
 /// faces are shown that are not known to meet another one, without curves; of anything else, nothing.

@@ -5,10 +5,10 @@
 #include "Data/FaceBounds.h"
 #include "Execution/FilterExecution.h"
 #include "Volume/ControlPointRule.h"
+#include "blockParts.h"
 
 #include "vtkCellArray.h"
 #include "vtkDataObjectTree.h"
-#include "vtkDataObjectTreeIterator.h"
 #include "vtkIdList.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -48,12 +48,15 @@ protected:
     this->Box.setEmpty();
     try
     {
-      const bsv::Ranks& ranks = *bsv::globalRanks();
-      const bsv::BSplineVolumeBlocks volume = bsv::bsplineVolumeBlocks(input, ranks);
-      this->Box = bsv::faceBounds(volume,
-        bsv::facesOf(volume,
-          bsv::wallBoundaries(input, volume.boundaryNames, volume.boundaryTypes, bsv::defaultBodyBoundaries(), ranks)),
-        ranks);
+      const std::shared_ptr<const bsv::Ranks> ranks = bsv::globalRanks();
+      ranks->together([&] {
+        const bsv::BSplineVolumeBlocks volume = bsv::bsplineVolumeBlocks(input, *ranks);
+        this->Box = bsv::faceBounds(volume,
+          bsv::facesOf(volume,
+            bsv::wallBoundaries(
+              input, volume.boundaryNames, volume.boundaryTypes, bsv::defaultBodyBoundaries(), *ranks)),
+          *ranks);
+      });
     }
     catch (const bsv::Error&)
     {
@@ -62,19 +65,10 @@ protected:
     vtkSmartPointer<vtkDataObject> chosen;
     if (auto* tree = vtkDataObjectTree::SafeDownCast(input))
     {
-      auto result = vtkSmartPointer<vtkDataObjectTree>::Take(tree->NewInstance());
-      result->CopyStructure(tree);
-      auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
-      leaves->VisitOnlyLeavesOn();
-      leaves->TraverseSubTreeOn();
-      for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
-      {
-        if (auto* grid = vtkPointSet::SafeDownCast(leaves->GetCurrentDataObject()))
-        {
-          result->SetDataSetFrom(leaves, this->Choose(grid));
-        }
-      }
-      chosen = result;
+      chosen = bsv::withLeaves(tree, [&](vtkDataObject* leaf) {
+        auto* grid = vtkPointSet::SafeDownCast(leaf);
+        return grid ? this->Choose(grid) : nullptr;
+      });
     }
     else if (auto* grid = vtkPointSet::SafeDownCast(input))
     {

@@ -508,18 +508,7 @@ private:
     const std::string where = this->Where;
     for (int c = 1; c <= conditions; ++c)
     {
-      Name name{};
-      CGNS_ENUMT(BCType_t) type;
-      CGNS_ENUMT(PointSetType_t) set;
-      CGNS_ENUMT(DataType_t) normalType;
-      cgsize_t count = 0;
-      cgsize_t normalSize = 0;
-      int normalIndex[3];
-      int dataSets = 0;
-      this->check(cg_boco_info(this->File, this->Base, this->Zone, c, name.data(), &type, &set, &count, normalIndex,
-                    &normalSize, &normalType, &dataSets),
-        "boundary condition " + std::to_string(c));
-      this->Where = where + ", boundary condition '" + name.data() + "'";
+      const auto [name, type, set, count] = this->readCondition(c, where);
       const bool range = set == CGNS_ENUMV(PointRange) || set == CGNS_ENUMV(ElementRange);
       const bool list = set == CGNS_ENUMV(PointList) || set == CGNS_ENUMV(ElementList);
       if ((!range && !list) || (range && count != 2) || count < 0 || count > 8 * pointCount)
@@ -531,7 +520,7 @@ private:
       this->check(cg_boco_gridlocation_read(this->File, this->Base, this->Zone, c, &location), "location");
       std::vector<cgsize_t> numbers(static_cast<std::size_t>(count));
       this->check(cg_boco_read(this->File, this->Base, this->Zone, c, numbers.data(), nullptr), "points");
-      const BoundaryLabel label = this->boundaryLabel(name.data(), type, c);
+      const BoundaryLabel label = this->boundaryLabel(name, type, c);
       const bool points = (set == CGNS_ENUMV(PointRange) || set == CGNS_ENUMV(PointList)) &&
         (location == CGNS_ENUMV(Vertex) || location == CGNS_ENUMV(GridLocationNull));
       const auto has = [&](cgsize_t number) {
@@ -1127,7 +1116,6 @@ private:
     const std::string zone = this->Where;
     for (int c = 1; c <= conditions; ++c)
     {
-      this->Where = zone + ", boundary condition " + std::to_string(c);
       this->readBoundary(zone, c);
     }
     this->Where = zone;
@@ -1139,21 +1127,36 @@ private:
     this->Left.add("boundary conditions left out", this->Where.substr(2) + ": " + why);
   }
 
-  void readBoundary(const std::string& zone, int condition)
+  struct Condition
   {
-    Name name{};
+    std::string name;
     CGNS_ENUMT(BCType_t) type;
     CGNS_ENUMT(PointSetType_t) set;
+    /// Of points, or of elements.
+    cgsize_t count;
+  };
+
+  /// Messages are about this condition from here on.
+  Condition readCondition(int condition, const std::string& zone)
+  {
+    this->Where = zone + ", boundary condition " + std::to_string(condition);
+    Name name{};
+    Condition result{};
     CGNS_ENUMT(DataType_t) normalType;
-    cgsize_t count = 0;
     cgsize_t normalSize = 0;
     int normalIndex[3];
     int dataSets = 0;
-    this->check(cg_boco_info(this->File, this->Base, this->Zone, condition, name.data(), &type, &set, &count,
-                  normalIndex, &normalSize, &normalType, &dataSets),
+    this->check(cg_boco_info(this->File, this->Base, this->Zone, condition, name.data(), &result.type, &result.set,
+                  &result.count, normalIndex, &normalSize, &normalType, &dataSets),
       "");
-    this->Where = zone + ", boundary condition '" + name.data() + "'";
+    result.name = name.data();
+    this->Where = zone + ", boundary condition '" + result.name + "'";
+    return result;
+  }
 
+  void readBoundary(const std::string& zone, int condition)
+  {
+    const auto [name, type, set, count] = this->readCondition(condition, zone);
     const int block = this->Block;
     const bool isRange = set == CGNS_ENUMV(PointRange);
     if (!isRange && set != CGNS_ENUMV(PointList))
@@ -1172,7 +1175,7 @@ private:
     std::vector<cgsize_t> points(static_cast<std::size_t>(3 * count));
     this->check(cg_boco_read(this->File, this->Base, this->Zone, condition, points.data(), nullptr), "points");
 
-    const BoundaryLabel label = this->boundaryLabel(name.data(), type, condition);
+    const BoundaryLabel label = this->boundaryLabel(name, type, condition);
     if (isRange)
     {
       this->addRange(block, points, location, label);
