@@ -6,6 +6,8 @@
 #include "Volume/FaceGeometry.h"
 
 #include <algorithm>
+#include <optional>
+#include <vector>
 
 namespace bsv
 {
@@ -30,7 +32,7 @@ bool isFarther(const Candidate& a, const Candidate& b)
 BodyDistance bodyDistance(const std::vector<VolumeFace>& faces, const BodySurface& body, const Execution& run)
 {
   const Ranks& ranks = *run.ranks;
-  std::vector<Candidate> worst;
+  std::optional<Candidate> worst;
   for (std::size_t f = 0; f < faces.size(); ++f)
   {
     Execution alone = run;
@@ -58,14 +60,14 @@ BodyDistance bodyDistance(const std::vector<VolumeFace>& faces, const BodySurfac
                             (at(s, t + 2) - at(s, t)).norm() + (at(s + 2, t + 2) - at(s + 2, t)).norm()) /
         4.0;
       const Candidate candidate{ found[i].distance, triple(samples[i]), edge > 0.0 ? found[i].distance / edge : 0.0 };
-      if (worst.empty() || isFarther(candidate, worst.front()))
+      if (!worst || isFarther(candidate, *worst))
       {
-        worst = { candidate };
+        worst = candidate;
       }
     }
   }
   BodyDistance result;
-  const std::vector<Candidate> all = ranks.gatherAll(worst);
+  const std::vector<Candidate> all = ranks.gatherAll(std::vector<Candidate>(worst ? 1 : 0, worst.value_or(Candidate{})));
   const auto farthest = std::min_element(all.begin(), all.end(), isFarther);
   if (farthest != all.end())
   {
