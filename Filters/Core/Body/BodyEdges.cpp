@@ -11,8 +11,9 @@ namespace bsv
 
 double bodyTurn(const BodySurface& body, const Vec3& point, double length)
 {
-  // Normals of all parts, and of each a little to both sides: a patch may have kinks.
-  constexpr double Nearby = 1e-4;
+  // Normals of all parts, and of each a little to both sides: a patch may have kinks. So little that round noses turn
+  // hardly.
+  constexpr double Nearby = 1e-4, NearbyLength = 1e-3;
   std::vector<Vec3> normals;
   for (const BodyPoint& part : body.closestPointPerPatch(point, 0.02 * length))
   {
@@ -22,10 +23,13 @@ double bodyTurn(const BodySurface& body, const Vec3& point, double length)
     for (int direction = 0; direction < 2; ++direction)
     {
       const double first = surface.first(direction), last = surface.last(direction);
-      for (const double step : { -Nearby, Nearby })
+      const double speed = std::sqrt(direction == 0 ? part.geometry.E : part.geometry.G);
+      const double most = speed > 0.0 ? NearbyLength * length / speed : last - first;
+      for (const double sign : { -1.0, 1.0 })
       {
         std::array<double, 2> uv{ part.u, part.v };
-        uv[direction] = std::min(last, std::max(first, uv[direction] + step * (last - first)));
+        const double step = sign * std::min(Nearby * (last - first), most);
+        uv[direction] = std::min(last, std::max(first, uv[direction] + step));
         normals.push_back(surfaceGeometry(surface, uv[0], uv[1], patch.reversed).normal);
       }
     }
@@ -39,6 +43,30 @@ double bodyTurn(const BodySurface& body, const Vec3& point, double length)
     }
   }
   return largest * DegreesPerRadian;
+}
+
+bool isShapeEdge(const BodySurface& body, const Vec3& edge, double length)
+{
+  constexpr double Sharp = 10.0; // degrees; a rounding of radius `length` turns by about 1
+  if (bodyTurn(body, edge, length) > Sharp)
+  {
+    return true;
+  }
+  // Where the body ends, a step off it in its tangent plane stays off.
+  const double step = 0.02 * length;
+  const Vec3 normal = body.closestPoint(edge).geometry.normal;
+  const Vec3 along = normal.unitOrthogonal(), across = normal.cross(along);
+  for (const Vec3& direction : { along, across })
+  {
+    for (const double sign : { -1.0, 1.0 })
+    {
+      if (body.closestPoint(edge + sign * step * direction).distance > 0.5 * step)
+      {
+        return true;
+      }
+    }
+  }
+  return false;
 }
 
 } // namespace bsv

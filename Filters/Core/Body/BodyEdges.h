@@ -14,4 +14,9 @@ namespace bsv
 /// @return degrees, 0 to 180.
 double bodyTurn(const BodySurface& body, const Vec3& point, double length);
 
+/// Whether an edge of the body (BodySurface::closestEdgePoint) is one of its shape: sharp, or where the body ends.
+/// Edges along which it goes on with the same normal are seams of its description.
+/// @param edge a point on it, @param length of the mesh edges at the point.
+bool isShapeEdge(const BodySurface& body, const Vec3& edge, double length);
+
 } // namespace bsv

@@ -67,7 +67,8 @@ BodyDistance bodyDistance(const std::vector<VolumeFace>& faces, const BodySurfac
     }
   }
   BodyDistance result;
-  const std::vector<Candidate> all = ranks.gatherAll(std::vector<Candidate>(worst ? 1 : 0, worst.value_or(Candidate{})));
+  const std::vector<Candidate> all =
+    ranks.gatherAll(std::vector<Candidate>(worst ? 1 : 0, worst.value_or(Candidate{})));
   const auto farthest = std::min_element(all.begin(), all.end(), isFarther);
   if (farthest != all.end())
   {

@@ -2,6 +2,7 @@
 #include "Wall/BodyFit.h"
 
 #include "Base/Numbers.h"
+#include "Body/BodyEdges.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/OwnedValues.h"
 #include "Wall/Displacements.h"
@@ -113,30 +114,33 @@ WallDistances wallDistances(
 namespace
 {
 
-/// The point of the nearest edge of the body, if a crease or border of the wall follows it: its place is hardly farther
-/// from that than from the surface. `spacing`: the local edge length.
+/// The point of the nearest edge of the body, if a crease or border of the wall may follow it: its place is hardly
+/// farther from that than from the surface, and the edge is no mere seam. `spacing`: the local edge length.
 std::optional<Vec3> edgeToFollow(const BodySurface& body, const Vec3& point, const BodyPoint& closest, double spacing)
 {
   constexpr double Near = 0.05;
   const BodyPoint edge = body.closestEdgePoint(point);
-  return edge.patch >= 0 && edge.distance <= closest.distance + Near * spacing
+  return edge.patch >= 0 && edge.distance <= closest.distance + Near * spacing &&
+      isShapeEdge(body, edge.geometry.point, spacing)
     ? std::optional<Vec3>(edge.geometry.point)
     : std::nullopt;
 }
 
-/// Least squares between the mesh points: each point moves by the mean, weighted by its B-spline, of what the samples
-/// around are off the body along its normals, which is 0 at the minimum (progressive-iterative approximation, Deng and
-/// Lin 2014); accelerated as in fitBody. Closest points are found anew in each round. Creases and borders are fitted as
-/// curves: to an edge of the body that they follow, in both directions across it, else along the normals.
+/// Least squares between the mesh points: of the distances of the samples from the body along its normals, by
+/// Gauss-Newton rounds in each of which closest points are found anew and the linear problem is solved by conjugate
+/// gradients (Hestenes, Stiefel 1952). Creases and borders are fitted as curves, too: to an edge of the body that they
+/// follow, in both directions across it, else along the normals.
 void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& wall, const std::vector<Vec3>& given,
   const BodySurface& body, const std::vector<Vec3>& target, const Execution& run, std::vector<Vec3>& x,
   BodyFitReport& report)
 {
-  // Points slide along the body slowly: the normals around them differ little.
-  constexpr int Rounds = 12, Steps = 150;
-  // Of the averaging: from the highest to the lowest frequency on the mesh.
-  constexpr double Least = 0.003, Most = 1.05;
-  constexpr double Center = 0.5 * (Most + Least), HalfWidth = 0.5 * (Most - Least);
+  constexpr int Rounds = 12, Steps = 200;
+  // What is left of the gradient.
+  constexpr double Tolerance = 1e-3;
+  // Of the limit points of what is not free, against samples. Movement counts so much, along the body and across it.
+  constexpr double FixedWeight = 9.0, Damping = 3e-4;
+  // Of samples on curves: a span of them counts as much as three spans of the wall, which have three times as many.
+  constexpr double CurveWeight = 9.0;
   const WallSamples samples(complex, rows, wall, given);
   const Index count = wall.size();
   std::vector<Vec3> best = x;
@@ -186,11 +190,12 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
       }
     }
     // What a sample is off across the edge that it follows, or along the normal.
-    const auto offOf = [&](Index i, const Vec3& x) {
-      const Vec3 difference = Vec3(feet[i].data()) - x, direction(feet[i].data() + 3);
+    const auto across = [&](Index i, const Vec3& difference) {
+      const Vec3 direction(feet[i].data() + 3);
       const Vec3 along = direction.dot(difference) * direction;
       return feet[i][9] > 0.0 ? Vec3(difference - along) : along;
     };
+    const auto offOf = [&](Index i, const Vec3& x) { return across(i, Vec3(feet[i].data()) - x); };
     double largest = 0.0, squares = 0.0;
     for (Index i = 0; i < samples.size(); ++i)
     {
@@ -217,27 +222,70 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
     {
       break;
     }
-    std::vector<Vec3> step(count, Vec3::Zero());
-    double rho = HalfWidth / Center;
-    for (int k = 0; k < Steps; ++k)
+    // Normal equations of the movement d, at the points in the samples' order.
+    const auto gradient = [&](std::vector<Vec3> off, const std::vector<Vec3>& fixedOff) {
+      for (Index i = samples.firstOnCurves(); i < samples.size(); ++i)
+      {
+        off[i] *= CurveWeight;
+      }
+      std::vector<Vec3> sum = samples.transposed(off, run);
+      for (const Index i : samples.ordered())
+      {
+        if (!samples.isFree(i))
+        {
+          rows.forWeights(i, [&](Index point, double weight) { sum[point] += FixedWeight * weight * fixedOff[i]; });
+        }
+      }
+      return sum;
+    };
+    const auto dot = [&](const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+      double sum = 0.0;
+      for (const Index i : samples.ordered())
+      {
+        sum += a[i].dot(b[i]);
+      }
+      return sum;
+    };
+    std::vector<Vec3> off(samples.size()), fixedOff(count, Vec3::Zero());
+    for (Index i = 0; i < samples.size(); ++i)
+    {
+      off[i] = offOf(i, at[i]);
+    }
+    for (Index i = 0; i < count; ++i)
+    {
+      fixedOff[i] = target[i] - rows.apply(i, x);
+    }
+    std::vector<Vec3> residual = gradient(off, fixedOff), direction = residual;
+    const double first = dot(residual, residual);
+    double square = first;
+    for (int k = 0; k < Steps && square > Tolerance * Tolerance * first; ++k)
     {
       run.report(0.9);
-      std::vector<Vec3> off = samples.evaluate(x, run);
+      off = samples.evaluate(direction, run);
       for (Index i = 0; i < samples.size(); ++i)
       {
-        off[i] = offOf(i, off[i]);
+        off[i] = across(i, off[i]);
       }
-      const std::vector<Vec3> mean = samples.average(off, count, run);
-      const double next = 1.0 / (2.0 * Center / HalfWidth - rho);
       for (Index i = 0; i < count; ++i)
       {
-        const Vec3 residual = samples.isFree(i) ? mean[i] : Vec3(target[i] - rows.apply(i, x));
-        step[i] = k == 0 ? Vec3(residual / Center) : Vec3(next * rho * step[i] + 2.0 * next / HalfWidth * residual);
+        fixedOff[i] = rows.apply(i, direction);
       }
-      rho = k == 0 ? rho : next;
+      std::vector<Vec3> image = gradient(off, fixedOff);
       for (Index i = 0; i < count; ++i)
       {
-        x[i] += step[i];
+        image[i] += Damping * direction[i];
+      }
+      const double length = square / dot(direction, image);
+      for (Index i = 0; i < count; ++i)
+      {
+        x[i] += length * direction[i];
+        residual[i] -= length * image[i];
+      }
+      const double before = square;
+      square = dot(residual, residual);
+      for (Index i = 0; i < count; ++i)
+      {
+        direction[i] = residual[i] + square / before * direction[i];
       }
     }
   }
@@ -304,24 +352,35 @@ WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversio
   const double size = (high - low).norm();
   if (options.body)
   {
-    const std::vector<Triple> targets = sharedOut<Triple>(wall.size(), 256, run, [&](Index i) {
+    struct Foot
+    {
+      Triple surface;
+      Triple edge;
+      bool nearEdge;
+    };
+    const std::vector<Foot> feet = sharedOut<Foot>(wall.size(), 256, run, [&](Index i) {
       if (isFixed(i))
       {
-        return triple(given[i]);
+        return Foot{ triple(given[i]), {}, false };
       }
       const Vec3 point = options.edgesOnly ? limit(i, given) : given[i];
       const BodyPoint closest = options.body->closestPoint(point);
-      if (rows.onFeature(i))
-      {
-        // Where the mesh follows an edge of the body, so do its limit points.
-        if (const auto edge = edgeToFollow(*options.body, point, closest, rows.spacing(i, given)))
-        {
-          return triple(*edge);
-        }
-      }
-      return triple(options.edgesOnly ? point : closest.geometry.point);
+      const auto edge =
+        rows.onFeature(i) ? edgeToFollow(*options.body, point, closest, rows.spacing(i, given)) : std::nullopt;
+      return Foot{ triple(options.edgesOnly ? point : closest.geometry.point), triple(edge.value_or(Vec3::Zero())),
+        edge.has_value() };
     });
-    std::transform(targets.begin(), targets.end(), target.begin(), vec3);
+    // Where the mesh follows an edge of the body, so do its limit points: not where a border crosses one.
+    forAll([&](Index i) {
+      bool follows = false;
+      rows.forNext(i, [&](Index next) {
+        const Vec3 along = given[next] - given[i];
+        follows = follows ||
+          (feet[i].nearEdge && feet[next].nearEdge &&
+            (vec3(feet[next].edge) - vec3(feet[i].edge)).dot(along) > 0.5 * along.squaredNorm());
+      });
+      target[i] = vec3(follows ? feet[i].edge : feet[i].surface);
+    });
   }
 
   if (options.body)

@@ -67,18 +67,82 @@ Vec3 LimitRows::across(Index id, const std::vector<Vec3>& x) const
   return row.kind == Kind::Tensor ? smoothMask(x[row.points[2]], x[id], x[row.points[3]]) : x[id];
 }
 
+std::array<Index, 2> LimitRows::beside(const Row& row, Index spoke)
+{
+  const std::size_t n = row.next;
+  const std::size_t i = std::find(row.points.begin(), row.points.begin() + n, spoke) - row.points.begin();
+  return { row.points[(i + n - 1) % n], row.points[(i + 1) % n] };
+}
+
+bool LimitRows::leavesCrease(const Row& row, Index spoke) const
+{
+  return row.kind == Kind::Curve && std::find(row.points.begin(), row.points.end(), spoke) == row.points.end();
+}
+
 Vec3 LimitRows::acrossSpoke(Index id, Index spoke, const std::vector<Vec3>& x) const
 {
   const Row& row = this->Rows[id];
-  const std::size_t n = row.next;
   if (row.kind == Kind::Ring)
   {
-    const std::size_t i = std::find(row.points.begin(), row.points.begin() + n, spoke) - row.points.begin();
-    return smoothMask(x[row.points[(i + n - 1) % n]], x[id], x[row.points[(i + 1) % n]]);
+    const auto [before, after] = beside(row, spoke);
+    return smoothMask(x[before], x[id], x[after]);
   }
   // On a crease the vertex itself; from a crease into a smooth side the curve.
-  const bool alongCrease = std::find(row.points.begin(), row.points.end(), spoke) != row.points.end();
-  return row.kind == Kind::Curve && !alongCrease ? this->apply(id, x) : x[id];
+  return this->leavesCrease(row, spoke) ? this->apply(id, x) : x[id];
+}
+
+void LimitRows::forWeights(Index id, const VisitWeight& visit) const
+{
+  const Row& row = this->Rows[id];
+  // Of the next points, of the diagonal ones, and the sum.
+  double next = 0.0, diagonal = 0.0, own = 1.0, sum = 1.0;
+  const double n = 0.5 * static_cast<double>(row.points.size());
+  switch (row.kind)
+  {
+    case Kind::Kept:
+      break;
+    case Kind::Curve:
+      next = 1.0, own = 4.0, sum = 6.0;
+      break;
+    case Kind::Tensor:
+    case Kind::Ring:
+      next = 4.0, diagonal = 1.0, own = n * n, sum = n * (n + 5.0);
+      break;
+  }
+  visit(id, own / sum);
+  for (std::size_t i = 0; i < row.points.size() && own != sum; ++i)
+  {
+    visit(row.points[i], (i < row.next ? next : diagonal) / sum);
+  }
+}
+
+void LimitRows::forWeightsAcross(Index id, const VisitWeight& visit) const
+{
+  const Row& row = this->Rows[id];
+  const bool tensor = row.kind == Kind::Tensor;
+  visit(id, tensor ? 2.0 / 3.0 : 1.0);
+  for (std::size_t i = 2; i < 4 && tensor; ++i)
+  {
+    visit(row.points[i], 1.0 / 6.0);
+  }
+}
+
+void LimitRows::forWeightsAcrossSpoke(Index id, Index spoke, const VisitWeight& visit) const
+{
+  const Row& row = this->Rows[id];
+  if (this->leavesCrease(row, spoke))
+  {
+    this->forWeights(id, visit);
+    return;
+  }
+  visit(id, row.kind == Kind::Ring ? 2.0 / 3.0 : 1.0);
+  if (row.kind == Kind::Ring)
+  {
+    for (const Index point : beside(row, spoke))
+    {
+      visit(point, 1.0 / 6.0);
+    }
+  }
 }
 
 double LimitRows::spacing(Index id, const std::vector<Vec3>& x) const

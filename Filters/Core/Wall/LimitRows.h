@@ -8,7 +8,10 @@
 #include "Conversion/LayerRules.h"
 #include "Wall/WallPoints.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -42,11 +45,24 @@ public:
   bool isTensor(Index id) const { return this->Rows[id].kind == Kind::Tensor; }
 
   Vec3 apply(Index id, const std::vector<Vec3>& x) const;
+  /// Calls visit(point, weight) for the points of apply() and their weights.
+  using VisitWeight = std::function<void(Index point, double weight)>;
+  void forWeights(Index id, const VisitWeight& visit) const;
 
   /// The mask across the wall's edge that a point lies on, inside the edge: the point itself on creases and borders.
   Vec3 across(Index id, const std::vector<Vec3>& x) const;
+  void forWeightsAcross(Index id, const VisitWeight& visit) const;
   /// The mask across the edge that leaves vertex `id` towards its next point `spoke`, at the vertex.
   Vec3 acrossSpoke(Index id, Index spoke, const std::vector<Vec3>& x) const;
+  void forWeightsAcrossSpoke(Index id, Index spoke, const VisitWeight& visit) const;
+
+  /// Calls visit(next) for the points one mesh edge away that the row knows: of a curve along it, else all around.
+  template <typename Visit>
+  void forNext(Index id, const Visit& visit) const
+  {
+    const Row& row = this->Rows[id];
+    std::for_each_n(row.points.begin(), row.next, visit);
+  }
 
   /// Mean distance to the next points, the local edge length.
   double spacing(Index id, const std::vector<Vec3>& x) const;
@@ -72,6 +88,11 @@ private:
   void addEdge(const BlockComplex& complex, const EntityRules& rules, const Wall& wall, int e);
 
   void addVertex(const BlockComplex& complex, const EntityRules& rules, const Wall& wall, int v);
+
+  /// Whether a vertex on a crease or border has none of its lines along the edge towards `spoke`.
+  bool leavesCrease(const Row& row, Index spoke) const;
+  /// The points beside vertex `id` in the fan inside the wall, around its next point `spoke`.
+  static std::array<Index, 2> beside(const Row& row, Index spoke);
 
   std::vector<Row> Rows;
   std::map<Index, CreasedRing> Creased;

@@ -36,14 +36,6 @@ std::array<double, 4> clampedBasis(int cells, int span, int q)
   return values;
 }
 
-/// Uniform knots: those of mesh points span - 1 .. span + 2.
-std::array<double, 4> uniformBasis(int q)
-{
-  const double a = samplePlace(q), b = 1.0 - a;
-  return { b * b * b / 6.0, (3.0 * a * a * a - 6.0 * a * a + 4.0) / 6.0, (3.0 * b * b * b - 6.0 * b * b + 4.0) / 6.0,
-    a * a * a / 6.0 };
-}
-
 bool less(const Vec3& a, const Vec3& b)
 {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
@@ -121,7 +113,7 @@ WallSamples::WallSamples(
     }
   }
   this->FirstOnCurves = this->Count;
-  this->OnCurve.assign(wall.size(), false);
+  std::vector<bool> onCurve(wall.size(), false);
   for (Face& face : this->Faces)
   {
     for (int side = 0; side < 4; ++side)
@@ -136,19 +128,31 @@ WallSamples::WallSamples(
       for (int k = 0; k <= cells; ++k)
       {
         const Index id = face.sideId(side, k);
-        this->OnCurve[id] = rows.isCurve(id);
+        onCurve[id] = rows.isCurve(id);
       }
     }
   }
   for (Index i = 0; i < wall.size(); ++i)
   {
-    this->Free[i] = this->OnCurve[i] || (!rows.onFeature(i) && spans[i] > 0);
+    this->Free[i] = onCurve[i] || (!rows.onFeature(i) && spans[i] > 0);
   }
   for (Index i = 0; i < wall.size(); ++i)
   {
     for (const Index next : rows.ring(i))
     {
       this->Free[next] = false;
+    }
+  }
+  std::vector<bool> seen(wall.size(), false);
+  for (const Face& face : this->Faces)
+  {
+    for (const Index id : face.ids)
+    {
+      if (!seen[id])
+      {
+        this->Ordered.push_back(id);
+      }
+      seen[id] = true;
     }
   }
 }
@@ -194,138 +198,139 @@ std::vector<Vec3> WallSamples::controlNet(const Face& face, const std::vector<Ve
   return net;
 }
 
+template <typename Add>
+void WallSamples::controlNetTransposed(const Face& face, const std::vector<Vec3>& net, const Add& add) const
+{
+  const int ns = face.ns, nt = face.nt;
+  const auto at = [&](int s, int t) -> const Vec3& { return net[s + std::size_t(ns + 3) * t]; };
+  for (int t = 1; t < nt; ++t)
+  {
+    for (int s = 1; s < ns; ++s)
+    {
+      add(face.id(s, t), at(s + 1, t + 1));
+    }
+  }
+  const auto weighted = [&](const Vec3& value) {
+    return [&add, value](Index point, double weight) { add(point, weight * value); };
+  };
+  for (int side = 0; side < 4; ++side)
+  {
+    const bool alongS = side < 2;
+    const int n = alongS ? ns : nt, m = alongS ? nt : ns, across = side % 2 ? m : 0, inner = side % 2 ? m - 1 : 1;
+    const int last = side % 2 ? m + 2 : 0, second = side % 2 ? m + 1 : 1;
+    for (int k = 1; k < n; ++k)
+    {
+      const Index id = alongS ? face.id(k, across) : face.id(across, k);
+      this->Rows.forWeightsAcross(id, weighted(alongS ? at(k + 1, last) : at(last, k + 1)));
+      const Vec3& inserted = alongS ? at(k + 1, second) : at(second, k + 1);
+      add(id, 2.0 / 3.0 * inserted);
+      add(alongS ? face.id(k, inner) : face.id(inner, k), inserted / 3.0);
+    }
+  }
+  for (int c = 0; c < 4; ++c)
+  {
+    const int cs = c & 1 ? ns : 0, ct = c & 2 ? nt : 0, ds = c & 1 ? -1 : 1, dt = c & 2 ? -1 : 1;
+    const int ps = c & 1 ? ns + 2 : 0, pt = c & 2 ? nt + 2 : 0;
+    const Index v = face.id(cs, ct), alongS = face.id(cs + ds, ct), alongT = face.id(cs, ct + dt);
+    this->Rows.forWeights(v, weighted(at(ps, pt)));
+    this->Rows.forWeightsAcrossSpoke(v, alongS, weighted(2.0 / 3.0 * at(ps + ds, pt)));
+    this->Rows.forWeightsAcross(alongS, weighted(at(ps + ds, pt) / 3.0));
+    this->Rows.forWeightsAcrossSpoke(v, alongT, weighted(2.0 / 3.0 * at(ps, pt + dt)));
+    this->Rows.forWeightsAcross(alongT, weighted(at(ps, pt + dt) / 3.0));
+    const Vec3 inner = at(ps + ds, pt + dt) / 9.0;
+    add(v, 4.0 * inner);
+    add(alongS, 2.0 * inner);
+    add(alongT, 2.0 * inner);
+    add(face.id(cs + ds, ct + dt), inner);
+  }
+}
+
+template <typename Visit>
+void WallSamples::forSamples(const Face& face, const Visit& visit) const
+{
+  std::array<std::vector<std::array<std::array<double, 4>, PerSpan>>, 2> basis;
+  for (int d = 0; d < 2; ++d)
+  {
+    const int cells = d == 0 ? face.ns : face.nt;
+    basis[d].resize(cells);
+    for (int span = 0; span < cells; ++span)
+    {
+      for (int q = 0; q < PerSpan; ++q)
+      {
+        basis[d][span][q] = clampedBasis(cells, span, q);
+      }
+    }
+  }
+  const auto place = [&](int s, int t) { return s + std::size_t(face.ns + 3) * t; };
+  for (int t = 0; t < face.nt; ++t)
+  {
+    for (int s = 0; s < face.ns; ++s)
+    {
+      const Index first = face.first[s + std::size_t(face.ns) * t];
+      for (int q = 0; q < PerSpan * PerSpan && first >= 0; ++q)
+      {
+        const std::array<double, 4>&alongS = basis[0][s][q % PerSpan], &alongT = basis[1][t][q / PerSpan];
+        for (int b = 0; b < 4; ++b)
+        {
+          for (int a = 0; a < 4; ++a)
+          {
+            visit(first + q, place(s + a, t + b), alongS[a] * alongT[b]);
+          }
+        }
+      }
+    }
+  }
+  for (int side = 0; side < 4; ++side)
+  {
+    for (int i = 0; i < PerSpan * face.sideCells(side) && face.curves[side] >= 0; ++i)
+    {
+      const int span = i / PerSpan;
+      for (int a = 0; a < 4; ++a)
+      {
+        const int s = side < 2 ? span + a : side == 2 ? 0 : face.ns + 2;
+        const int t = side >= 2 ? span + a : side == 0 ? 0 : face.nt + 2;
+        visit(face.curves[side] + i, place(s, t), basis[side < 2 ? 0 : 1][span][i % PerSpan][a]);
+      }
+    }
+  }
+}
+
 std::vector<Vec3> WallSamples::evaluate(const std::vector<Vec3>& x, const Execution& run) const
 {
-  std::vector<Vec3> samples(this->Count);
+  std::vector<Vec3> samples(this->Count, Vec3::Zero());
   run.parallelFor(static_cast<Index>(this->Faces.size()), 1, [&](Index begin, Index end) {
     for (Index f = begin; f < end; ++f)
     {
-      const Face& face = this->Faces[f];
-      const std::vector<Vec3> net = this->controlNet(face, x);
-      std::vector<std::array<std::array<double, 4>, PerSpan>> alongS(face.ns), alongT(face.nt);
-      for (int s = 0; s < face.ns; ++s)
-      {
-        for (int q = 0; q < PerSpan; ++q)
-        {
-          alongS[s][q] = clampedBasis(face.ns, s, q);
-        }
-      }
-      for (int t = 0; t < face.nt; ++t)
-      {
-        for (int q = 0; q < PerSpan; ++q)
-        {
-          alongT[t][q] = clampedBasis(face.nt, t, q);
-        }
-      }
-      for (int t = 0; t < face.nt; ++t)
-      {
-        for (int s = 0; s < face.ns; ++s)
-        {
-          const Index first = face.first[s + std::size_t(face.ns) * t];
-          for (int q = 0; q < PerSpan * PerSpan && first >= 0; ++q)
-          {
-            Vec3 sum = Vec3::Zero();
-            for (int b = 0; b < 4; ++b)
-            {
-              for (int a = 0; a < 4; ++a)
-              {
-                sum += (alongS[s][q % PerSpan][a] * alongT[t][q / PerSpan][b]) *
-                  net[s + a + std::size_t(face.ns + 3) * (t + b)];
-              }
-            }
-            samples[first + q] = sum;
-          }
-        }
-      }
-      for (int side = 0; side < 4; ++side)
-      {
-        for (int i = 0; i < PerSpan * face.sideCells(side) && face.curves[side] >= 0; ++i)
-        {
-          const int span = i / PerSpan;
-          const std::array<double, 4>& basis = (side < 2 ? alongS : alongT)[span][i % PerSpan];
-          Vec3 sum = Vec3::Zero();
-          for (int a = 0; a < 4; ++a)
-          {
-            const int s = side < 2 ? span + a : side == 2 ? 0 : face.ns + 2;
-            const int t = side >= 2 ? span + a : side == 0 ? 0 : face.nt + 2;
-            sum += basis[a] * net[s + std::size_t(face.ns + 3) * t];
-          }
-          samples[face.curves[side] + i] = sum;
-        }
-      }
+      const std::vector<Vec3> net = this->controlNet(this->Faces[f], x);
+      this->forSamples(this->Faces[f],
+        [&](Index sample, std::size_t place, double weight) { samples[sample] += weight * net[place]; });
     }
   });
   return samples;
 }
 
-std::vector<Vec3> WallSamples::average(const std::vector<Vec3>& values, Index points, const Execution& run) const
+std::vector<Vec3> WallSamples::transposed(const std::vector<Vec3>& values, const Execution& run) const
 {
   // Each face by itself, then the faces in their order.
-  std::vector<std::vector<std::pair<Vec3, double>>> parts(this->Faces.size());
+  std::vector<std::vector<std::pair<Index, Vec3>>> parts(this->Faces.size());
   run.parallelFor(static_cast<Index>(this->Faces.size()), 1, [&](Index begin, Index end) {
     for (Index f = begin; f < end; ++f)
     {
       const Face& face = this->Faces[f];
-      parts[f].assign(face.ids.size(), { Vec3::Zero(), 0.0 });
-      for (int t = 0; t < face.nt; ++t)
-      {
-        for (int s = 0; s < face.ns; ++s)
-        {
-          const Index first = face.first[s + std::size_t(face.ns) * t];
-          for (int q = 0; q < PerSpan * PerSpan && first >= 0; ++q)
-          {
-            const std::array<double, 4> alongS = uniformBasis(q % PerSpan), alongT = uniformBasis(q / PerSpan);
-            for (int b = std::max(0, 1 - t); b < 4 && t - 1 + b <= face.nt; ++b)
-            {
-              for (int a = std::max(0, 1 - s); a < 4 && s - 1 + a <= face.ns; ++a)
-              {
-                const std::size_t place = s - 1 + a + std::size_t(face.ns + 1) * (t - 1 + b);
-                if (!this->OnCurve[face.ids[place]])
-                {
-                  const double weight = alongS[a] * alongT[b];
-                  parts[f][place].first += weight * values[first + q];
-                  parts[f][place].second += weight;
-                }
-              }
-            }
-          }
-        }
-      }
-      for (int side = 0; side < 4; ++side)
-      {
-        const int cells = face.sideCells(side);
-        for (int i = 0; i < PerSpan * cells && face.curves[side] >= 0; ++i)
-        {
-          const int span = i / PerSpan;
-          const std::array<double, 4> weights = uniformBasis(i % PerSpan);
-          for (int a = std::max(0, 1 - span); a < 4 && span - 1 + a <= cells; ++a)
-          {
-            const int k = span - 1 + a;
-            const std::size_t place = side < 2 ? k + std::size_t(face.ns + 1) * (side == 0 ? 0 : face.nt)
-                                               : (side == 2 ? 0 : face.ns) + std::size_t(face.ns + 1) * k;
-            if (this->OnCurve[face.ids[place]])
-            {
-              parts[f][place].first += weights[a] * values[face.curves[side] + i];
-              parts[f][place].second += weights[a];
-            }
-          }
-        }
-      }
+      std::vector<Vec3> net(std::size_t(face.ns + 3) * (face.nt + 3), Vec3::Zero());
+      this->forSamples(
+        face, [&](Index sample, std::size_t place, double weight) { net[place] += weight * values[sample]; });
+      this->controlNetTransposed(
+        face, net, [&](Index point, const Vec3& value) { parts[f].emplace_back(point, value); });
     }
   });
-  std::vector<Vec3> sums(points, Vec3::Zero());
-  std::vector<double> weights(points, 0.0);
-  for (std::size_t f = 0; f < this->Faces.size(); ++f)
+  std::vector<Vec3> sums(this->Ordered.size(), Vec3::Zero());
+  for (const auto& part : parts)
   {
-    for (std::size_t i = 0; i < parts[f].size(); ++i)
+    for (const auto& [point, value] : part)
     {
-      sums[this->Faces[f].ids[i]] += parts[f][i].first;
-      weights[this->Faces[f].ids[i]] += parts[f][i].second;
+      sums[point] += value;
     }
-  }
-  for (Index i = 0; i < points; ++i)
-  {
-    sums[i] = weights[i] > 0.0 ? Vec3(sums[i] / weights[i]) : Vec3(Vec3::Zero());
   }
   return sums;
 }

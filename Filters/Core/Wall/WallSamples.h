@@ -29,10 +29,13 @@ public:
   Index firstOnCurves() const { return this->FirstOnCurves; }
   /// The samples of the wall with the mesh points `x`.
   std::vector<Vec3> evaluate(const std::vector<Vec3>& x, const Execution& run) const;
-  /// Means of values at the samples, weighted by the B-spline of each wall point; points without samples: zero.
-  std::vector<Vec3> average(const std::vector<Vec3>& values, Index points, const Execution& run) const;
+  /// The transposed map: per wall point the sum of the values at the samples, each times how far the sample moves with
+  /// the point.
+  std::vector<Vec3> transposed(const std::vector<Vec3>& values, const Execution& run) const;
   /// Whether a wall point has samples enough of its own: of others the limit point is fitted.
   bool isFree(Index id) const { return this->Free[id]; }
+  /// All wall points in the order of the faces: for sums over them.
+  const std::vector<Index>& ordered() const { return this->Ordered; }
 
 private:
   struct Face
@@ -54,13 +57,18 @@ private:
   };
 
   std::vector<Vec3> controlNet(const Face& face, const std::vector<Vec3>& x) const;
+  /// Calls add(point, value) with what controlNet() makes of each point, transposed.
+  template <typename Add>
+  void controlNetTransposed(const Face& face, const std::vector<Vec3>& net, const Add& add) const;
+  /// Calls visit(sample, place in the net, weight) for all samples of a face.
+  template <typename Visit>
+  void forSamples(const Face& face, const Visit& visit) const;
 
   const LimitRows& Rows;
   std::vector<Face> Faces;
   std::vector<bool> Free;
+  std::vector<Index> Ordered;
   Index Count = 0, FirstOnCurves = 0;
-  /// Per wall point, whether its mean is that of samples on curves.
-  std::vector<bool> OnCurve;
 };
 
 } // namespace bsv

@@ -3,6 +3,7 @@
 #include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
 #include "Wall/BodyFit.h"
+#include "Wall/WallPoints.h"
 
 #include <gtest/gtest.h>
 
@@ -276,6 +277,38 @@ TEST(BodyPropagation, SameBitsForAnyNumberingAndOrientation)
     meshcases::shuffle(other, seed, true);
     EXPECT_TRUE(conversioncases::canonicalNet(with(other)) == reference);
   }
+}
+
+// Where a border of the wall passes near seams of the body's description, which its shape does not show, its points on
+// the body stay where they are.
+TEST(BodyFit, SeamsDoNotAttractBorders)
+{
+  constexpr int Cells = 8;
+  const BodySurface body(
+    bodycases::starPatches(Eigen::AngleAxisd(0.006, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix()));
+  MeshCase mesh = bodyMesh(Cells, 0.05);
+  mesh.blocks.resize(1);
+  mesh.boundaries.resize(1);
+  BlockComplex complex = buildBlockComplex(mesh.mesh());
+  const EntityRules rules = classify(complex, wallOptions(), {});
+  const std::vector<Vec3> given = Wall(complex, rules).points(*aloneRank());
+  BodyFitOptions options;
+  options.body = &body;
+  const WallFit fit = solveFit(complex, wallOptions(), rules, options);
+  ASSERT_EQ(fit.targets.size(), given.size());
+  double moved = 0.0, nearest = 1.0, spacing = 1.0;
+  for (std::size_t i = 0; i < given.size(); ++i)
+  {
+    moved = std::max(moved, (fit.targets[i] - given[i]).norm());
+    nearest = std::min(nearest, body.closestEdgePoint(given[i]).distance);
+    for (std::size_t k = 0; k < i; ++k)
+    {
+      spacing = std::min(spacing, (given[i] - given[k]).norm());
+    }
+  }
+  // Seams are near, and the interpolated body is as exact as bodycases says.
+  EXPECT_LT(nearest, 0.05 * spacing);
+  EXPECT_LE(moved, 1e-7);
 }
 
 TEST(BodyFit, RefusesOptionsOutOfRange)
