@@ -86,8 +86,8 @@ if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)
     PLUGINS ${bsv_plugins}
     INSTALL_HEADERS OFF
     LIBRARY_DESTINATION "${CMAKE_INSTALL_LIBDIR}")
-  # Which the readers look for beside their library.
-  add_dependencies(BSplineVolume BSplineVolumeReadFile)
+  # Which the readers and writers look for beside their libraries.
+  add_dependencies(BSplineVolume BSplineVolumeReadFile BSplineVolumeWriteFile)
   # The part that needs Qt lies in the folder of the plugin that loads it.
   option(BSPLINEVOLUME_BUILD_QT "Build the part of the plugin for ParaView's window" "${PARAVIEW_USE_QT}")
   if (BSPLINEVOLUME_BUILD_QT)

@@ -59,7 +59,7 @@ void vtkBSplineVolumeWriter::WriteData()
       run.ranks->together([&] { surfaces = bsv::bodyToWrite(bsv::bodyPatches(this->GetInput(), *run.ranks)); });
       if (run.ranks->rank() == 0)
       {
-        bsv::writeNURBSSurfaceFile(surfaces, this->FileName, 1.0, notes);
+        bsv::writeNURBSSurfaceFile(surfaces, this->FileName, 1.0, run, notes);
       }
       return;
     }
@@ -101,7 +101,7 @@ void vtkBSplineVolumeWriter::WriteData()
       }
       else if (extension == ".h5")
       {
-        bsv::writeHOPR(curved, file, run);
+        bsv::writeHOPR(curved, file, run, notes);
       }
       else
       {

@@ -128,7 +128,7 @@ void vtkNURBSSurfaceWriter::WriteData()
     if (run.ranks->rank() == 0)
     {
       const double metres = this->LengthUnit == AS_IN_INPUT ? unitOf(input) : Units[this->LengthUnit].second;
-      bsv::writeNURBSSurfaceFile(surfaces, this->FileName, metres, notes);
+      bsv::writeNURBSSurfaceFile(surfaces, this->FileName, metres, run, notes);
     }
   }));
   if (this->GetErrorCode() == 0)

@@ -2,9 +2,9 @@
 #include "Formats/ReaderJobs.h"
 
 #include "Base/UTF8.h"
+#include "Execution/Archive.h"
+#include "Execution/ChildProcess.h"
 
-#include "Formats/Archive.h"
-#include "Formats/ChildProcess.h"
 #include "ReaderProgram.h"
 
 #include <cstdio>
@@ -13,10 +13,6 @@
 #include <map>
 #include <new>
 #include <utility>
-
-#ifdef __unix__
-#include <unistd.h>
-#endif
 
 namespace bsv
 {
@@ -282,13 +278,7 @@ int readerProgram(int argumentCount, char** arguments)
   {
     return 2;
   }
-#ifdef __unix__
-  // What the other process has open is no concern of this one.
-  for (int descriptor = ChildChannel::Pipe + 1; descriptor < 1024; ++descriptor)
-  {
-    close(descriptor);
-  }
-#endif
+  channel.begin();
   Execution run;
   run.progress = [&](double fraction) {
     channel.progress(fraction);

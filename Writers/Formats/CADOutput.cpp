@@ -2,15 +2,18 @@
 // The only file of the writers that includes OpenCASCADE.
 #include "Formats/CADOutput.h"
 
+#include "Base/UTF8.h"
+
+#include <algorithm>
+
 #ifndef BSPLINEVOLUME_WITH_OPENCASCADE
 
 namespace bsv
 {
 
-void writeCAD(
-  const SurfacesToWrite&, CADFormat format, double, const std::string&, AtomicFile&, std::vector<std::string>&)
+std::string CADLibrary::close()
 {
-  throw Error(std::string(format == CADFormat::STEP ? "STEP" : "IGES") +
+  throw Error(std::string(this->Format == CADFormat::STEP ? "STEP" : "IGES") +
     " files need OpenCASCADE, without which this program was built");
 }
 
@@ -18,7 +21,6 @@ void writeCAD(
 
 #else
 
-#include "Base/UTF8.h"
 #include "Base/UnionFind.h"
 #include "Execution/OpenCASCADESession.h"
 
@@ -68,7 +70,6 @@ void writeCAD(
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -540,17 +541,18 @@ public:
     this->Names.push_back(stepText(name));
     return text("@@" + std::to_string(this->Names.size() - 1) + "@@");
   }
-  void write(const std::string& content, AtomicFile& file) const
+  std::string in(const std::string& content) const
   {
+    std::string result;
     std::size_t done = 0;
     for (std::size_t at = content.find("'@@"); at != std::string::npos; at = content.find("'@@", done))
     {
       const std::size_t end = content.find("@@'", at + 3);
-      file.write(content.substr(done, at + 1 - done));
-      file.write(this->Names[std::strtoul(content.c_str() + at + 3, nullptr, 10)]);
+      result.append(content, done, at + 1 - done);
+      result += this->Names[std::strtoul(content.c_str() + at + 3, nullptr, 10)];
       done = end + 2;
     }
-    file.write(content.substr(done));
+    return result.append(content, done);
   }
 
 private:
@@ -565,8 +567,8 @@ void checkWritten(bool good, const char* format)
   }
 }
 
-void writeSTEP(const Sewing& sewing, const std::vector<std::string>& names, const char* unit, double metres,
-  const std::string& name, OpenCASCADESession& session, AtomicFile& file)
+std::string writeSTEP(const Sewing& sewing, const std::vector<std::string>& names, const char* unit, double metres,
+  const std::string& name, OpenCASCADESession& session)
 {
   STEPControl_Controller::Init();
   session.set("write.step.unit", unit);
@@ -617,11 +619,11 @@ void writeSTEP(const Sewing& sewing, const std::vector<std::string>& names, cons
   output.SendModel(Handle(StepData_Protocol)::DownCast(model->Protocol()));
   std::ostringstream content;
   checkWritten(output.Print(content), "STEP");
-  tokens.write(content.str(), file);
+  return tokens.in(content.str());
 }
 
-void writeIGES(const Sewing& sewing, const std::vector<std::string>& names, const char* unit, double metres,
-  const std::string& name, OpenCASCADESession& session, AtomicFile& file)
+std::string writeIGES(const Sewing& sewing, const std::vector<std::string>& names, const char* unit, double metres,
+  const std::string& name, OpenCASCADESession& session)
 {
   IGESControl_Controller::Init();
   session.set("xstep.cascade.unit", unit);
@@ -677,44 +679,27 @@ void writeIGES(const Sewing& sewing, const std::vector<std::string>& names, cons
   output.SendModel(IGESSelect_WorkLibrary::DefineProtocol());
   std::ostringstream content;
   checkWritten(output.Print(content), "IGES");
-  file.write(content.str());
+  return content.str();
 }
 
 } // namespace
 
-void writeCAD(const SurfacesToWrite& surfaces, CADFormat format, double metres, const std::string& name,
-  AtomicFile& file, std::vector<std::string>& notes)
+std::string CADLibrary::close()
 {
-  const char* unit = unitName(metres);
+  const char* unit = unitName(this->Metres);
   std::vector<std::string> names;
-  int changed = 0;
-  for (const BodyPatch& patch : surfaces.patches)
+  for (const BodyPatch& patch : this->Surfaces.patches)
   {
-    std::string legal = validUTF8(patch.name);
-    std::replace_if(
-      legal.begin(), legal.end(), [](char letter) { return letter == '\n' || letter == '\t'; }, ' ');
-    changed += legal != patch.name;
-    names.push_back(legal);
-  }
-  if (changed > 0)
-  {
-    notes.push_back(
-      "the names of " + std::to_string(changed) + " patches hold characters that no text has; they were replaced");
+    names.push_back(patch.name);
   }
   OpenCASCADESession session;
   const double before = UnitsMethods::GetCasCadeLengthUnit();
   session.finally([=] { UnitsMethods::SetCasCadeLengthUnit(before); });
   try
   {
-    const Sewing sewing(surfaces);
-    if (format == CADFormat::STEP)
-    {
-      writeSTEP(sewing, names, unit, metres, validUTF8(name), session, file);
-    }
-    else
-    {
-      writeIGES(sewing, names, unit, metres, validUTF8(name), session, file);
-    }
+    const Sewing sewing(this->Surfaces);
+    return this->Format == CADFormat::STEP ? writeSTEP(sewing, names, unit, this->Metres, this->Part, session)
+                                           : writeIGES(sewing, names, unit, this->Metres, this->Part, session);
   }
   catch (const Standard_Failure& failure)
   {
@@ -725,3 +710,63 @@ void writeCAD(const SurfacesToWrite& surfaces, CADFormat format, double metres, 
 } // namespace bsv
 
 #endif
+
+namespace bsv
+{
+
+void CADLibrary::patch(const std::string& name, const std::array<int, 2>& degree, const std::vector<double>& knotsU,
+  const std::vector<double>& knotsV, const std::vector<Vec3>& points, const std::vector<double>& weights)
+{
+  BodyPatch patch;
+  patch.name = name;
+  patch.surface.degree = degree;
+  patch.surface.knots = { knotsU, knotsV };
+  patch.surface.points = points;
+  patch.surface.weights = weights;
+  this->Surfaces.patches.push_back(std::move(patch));
+}
+
+void CADLibrary::joins(const std::vector<PatchJoin>& joins)
+{
+  this->Surfaces.joins = joins;
+}
+
+void CADLibrary::kind(CADFormat format, double metres, const std::string& name)
+{
+  this->Format = format;
+  this->Metres = metres;
+  this->Part = name;
+}
+
+void writeCAD(const SurfacesToWrite& surfaces, CADFormat format, double metres, const std::string& name,
+  AtomicFile& file, const Execution& run, std::vector<std::string>& notes)
+{
+  double points = 0.0;
+  for (const BodyPatch& patch : surfaces.patches)
+  {
+    points += static_cast<double>(patch.surface.points.size());
+  }
+  // OpenCASCADE writes more than 10,000 control points a second.
+  LibraryFile<CADLibrary> library(file, 60.0 + points / 1e3, run, notes);
+  library.call<&CADLibrary::kind>(format, metres, validUTF8(name));
+  library.call<&CADLibrary::joins>(surfaces.joins);
+  int changed = 0;
+  for (const BodyPatch& patch : surfaces.patches)
+  {
+    std::string legal = validUTF8(patch.name);
+    std::replace_if(
+      legal.begin(), legal.end(), [](char letter) { return letter == '\n' || letter == '\t'; }, ' ');
+    changed += legal != patch.name;
+    const NURBSSurface& surface = patch.surface;
+    library.call<&CADLibrary::patch>(
+      legal, surface.degree, surface.knots[0], surface.knots[1], surface.points, surface.weights);
+  }
+  if (changed > 0)
+  {
+    notes.push_back(
+      "the names of " + std::to_string(changed) + " patches hold characters that no text has; they were replaced");
+  }
+  file.write(library.close());
+}
+
+} // namespace bsv

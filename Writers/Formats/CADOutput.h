@@ -3,10 +3,12 @@
 /// Sewn NURBS patches as STEP (AP214) and IGES 5.3 files, through OpenCASCADE.
 #pragma once
 
+#include "Formats/LibraryFile.h"
 #include "Formats/SurfacesToWrite.h"
-#include "IO/AtomicFile.h"
 
+#include <array>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace bsv
@@ -33,6 +35,28 @@ enum class CADFormat
 /// @throws Error for surfaces that OpenCASCADE refuses, naming the patch, points beyond 1e99, another unit, or if this
 /// library was built without OpenCASCADE.
 void writeCAD(const SurfacesToWrite& surfaces, CADFormat format, double metres, const std::string& name,
-  AtomicFile& file, std::vector<std::string>& notes);
+  AtomicFile& file, const Execution& run, std::vector<std::string>& notes);
+
+/// What is asked of OpenCASCADE, in a process of its own (LibraryFile.h). close() gives the content of the file.
+class CADLibrary
+{
+public:
+  static constexpr const char* Name = "CAD";
+  static constexpr auto methods() { return std::make_tuple(&CADLibrary::patch, &CADLibrary::joins, &CADLibrary::kind); }
+
+  CADLibrary(const std::string&, const std::string&) {}
+
+  void patch(const std::string& name, const std::array<int, 2>& degree, const std::vector<double>& knotsU,
+    const std::vector<double>& knotsV, const std::vector<Vec3>& points, const std::vector<double>& weights);
+  void joins(const std::vector<PatchJoin>& joins);
+  void kind(CADFormat format, double metres, const std::string& name);
+  std::string close();
+
+private:
+  SurfacesToWrite Surfaces;
+  CADFormat Format = CADFormat::STEP;
+  double Metres = 1.0;
+  std::string Part;
+};
 
 } // namespace bsv

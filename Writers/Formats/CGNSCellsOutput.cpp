@@ -26,7 +26,7 @@ void appendNumbers(
 class CellWriter
 {
 public:
-  CellWriter(const CurvedCells& cells, const CGNSFile& file)
+  CellWriter(const CurvedCells& cells, CGNSFile& file)
     : Cells(cells)
     , Volume(cells.volume())
     , File(file)
@@ -34,34 +34,18 @@ public:
   {
   }
 
-  void begin(double lengthUnit, std::vector<std::string>& notes) const
+  void begin(double lengthUnit, std::vector<std::string>& notes)
   {
-    int index = 0;
-    this->File.check(cg_base_write(this->File.number(), "Base", 3, 3, &index), "the base");
-    if (!writeUnits(this->File, 1, lengthUnit))
-    {
-      notes.push_back("CGNS has no name for the unit of length; the file declares none");
-    }
-    writeFamilies(this->File, 1, this->Families, this->Volume.boundaryTypes);
-    const cgsize_t size[3] = { static_cast<cgsize_t>(this->Cells.numbers().count()),
-      static_cast<cgsize_t>(this->Cells.cellCount()), 0 };
-    this->File.check(
-      cg_zone_write(this->File.number(), 1, "volume", size, CGNS_ENUMV(Unstructured), &index), "the zone");
-    for (std::size_t n = 0; n < this->Families.size(); ++n)
-    {
-      if (this->Families[n] != this->Volume.boundaryNames[n])
-      {
-        notes.push_back(
-          "boundary '" + this->Volume.boundaryNames[n] + "' is family '" + this->Families[n] + "' in the file");
-      }
-    }
+    writeHeader(this->File, lengthUnit, this->Families, this->Volume.boundaryNames, this->Volume.boundaryTypes, notes);
+    this->File.call<&CGNSLibrary::zone>("volume",
+      std::vector<cgsize_t>{
+        static_cast<cgsize_t>(this->Cells.numbers().count()), static_cast<cgsize_t>(this->Cells.cellCount()), 0 });
   }
 
   /// The nodes that are met first in a block. @param pause called in between
   template <typename Pause>
-  void nodes(int block, const std::vector<double>& positions, const Pause& pause) const
+  void nodes(int block, const std::vector<double>& positions, const Pause& pause)
   {
-    static constexpr const char* Axes[3] = { "CoordinateX", "CoordinateY", "CoordinateZ" };
     const cgsize_t first = static_cast<cgsize_t>(this->Cells.numbers().firstOf(block)) + 1;
     const cgsize_t last = static_cast<cgsize_t>(this->Cells.numbers().firstOf(block + 1));
     std::vector<double> values(positions.size() / 3);
@@ -72,22 +56,17 @@ public:
       {
         values[n] = positions[3 * n + c];
       }
-      int index = 0;
-      this->File.check(cg_coord_partial_write(this->File.number(), 1, 1, CGNS_ENUMV(RealDouble), Axes[c], &first, &last,
-                         values.data(), &index),
-        Axes[c]);
+      this->File.call<&CGNSLibrary::coordinates<double>>(
+        1, c, std::vector<cgsize_t>{ first }, std::vector<cgsize_t>{ last }, values);
     }
   }
 
-  void cells(const Execution& run) const
+  void cells(const Execution& run)
   {
     const int order = this->Cells.order();
     const NodeList nodes = cellNodes(NodeOrder::CGNS, order);
     const cgsize_t total = static_cast<cgsize_t>(this->Cells.cellCount());
-    int section = 0;
-    this->File.check(cg_section_partial_write(this->File.number(), 1, 1, "cells",
-                       order == 2 ? CGNS_ENUMV(HEXA_27) : CGNS_ENUMV(HEXA_64), 1, total, 0, &section),
-      "cells");
+    this->File.call<&CGNSLibrary::section>("cells", int(order == 2 ? CGNS_ENUMV(HEXA_27) : CGNS_ENUMV(HEXA_64)), total);
     for (int b = 0; b < this->Cells.blockCount(); ++b)
     {
       const Ijk& spans = this->Cells.spans(b);
@@ -104,14 +83,12 @@ public:
           }
         }
         const cgsize_t first = static_cast<cgsize_t>(this->Cells.cellNumber(b, { 0, 0, k })) + 1;
-        this->File.check(cg_elements_partial_write(this->File.number(), 1, 1, section, first,
-                           first + static_cast<cgsize_t>(spans[0]) * spans[1] - 1, numbers.data()),
-          "cells");
+        this->File.call<&CGNSLibrary::elements>(first, first + static_cast<cgsize_t>(spans[0]) * spans[1] - 1, numbers);
       }
     }
   }
 
-  void boundaries() const
+  void boundaries()
   {
     const int order = this->Cells.order();
     cgsize_t first = static_cast<cgsize_t>(this->Cells.cellCount()) + 1;
@@ -136,21 +113,11 @@ public:
         continue;
       }
       const std::string name = tag < names ? this->Families[tag] : "without a name";
-      int index = 0;
-      this->File.check(
-        cg_section_write(this->File.number(), 1, 1, name == "cells" ? "cells_" : name.c_str(),
-          order == 2 ? CGNS_ENUMV(QUAD_9) : CGNS_ENUMV(QUAD_16), first, first + quads - 1, 0, numbers.data(), &index),
-        "the sides of '" + name + "'");
+      this->File.call<&CGNSLibrary::sides>(name == "cells" ? "cells_" : name,
+        int(order == 2 ? CGNS_ENUMV(QUAD_9) : CGNS_ENUMV(QUAD_16)), first, first + quads - 1, numbers);
       if (tag < names)
       {
-        const cgsize_t range[2] = { first, first + quads - 1 };
-        this->File.check(cg_boco_write(this->File.number(), 1, 1, name.c_str(), CGNS_ENUMV(FamilySpecified),
-                           CGNS_ENUMV(PointRange), 2, range, &index),
-          "boundary condition '" + name + "'");
-        this->File.check(
-          cg_boco_gridlocation_write(this->File.number(), 1, 1, index, CGNS_ENUMV(FaceCenter)), "a location");
-        this->File.check(cg_goto(this->File.number(), 1, "Zone_t", 1, "ZoneBC_t", 1, "BC_t", index, "end"), "a family");
-        this->File.check(cg_famname_write(name.c_str()), "a family");
+        this->File.call<&CGNSLibrary::boundary>(1, name, name, std::vector<cgsize_t>{ first, first + quads - 1 }, true);
       }
       first += quads;
     }
@@ -159,7 +126,7 @@ public:
 private:
   const CurvedCells& Cells;
   const VolumeToWrite& Volume;
-  const CGNSFile& File;
+  CGNSFile& File;
   const std::vector<std::string> Families;
 };
 
@@ -179,10 +146,9 @@ void writeCGNSCells(
     {
       numbers += nodes * static_cast<double>(cells.quadCount(patch));
     }
-    // A zone, its coordinates and cells; a family, sides and a boundary condition for every name.
-    output =
-      std::make_unique<CGNSFile>(file, 24.0 * static_cast<double>(cells.numbers().count()) + sizeof(cgsize_t) * numbers,
-        24.0 + 12.0 * static_cast<double>(cells.volume().boundaryNames.size()));
+    const double bytes = 24.0 * static_cast<double>(cells.numbers().count()) + sizeof(cgsize_t) * numbers;
+    file.requireRoom(bytes);
+    output = std::make_unique<CGNSFile>(file, writingSeconds(bytes), run, notes);
     writer = std::make_unique<CellWriter>(cells, *output);
     writer->begin(lengthUnit, notes);
   }
@@ -215,6 +181,7 @@ void writeCGNSCells(
     writer->cells(run);
     writer->boundaries();
     output->close();
+    file.takeOver();
   }
 }
 

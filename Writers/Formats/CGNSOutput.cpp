@@ -60,7 +60,7 @@ std::array<cgsize_t, 6> pointRange(
 class StructureWriter
 {
 public:
-  StructureWriter(const MeshToWrite& mesh, const CGNSFile& file, std::vector<std::string>& notes)
+  StructureWriter(const MeshToWrite& mesh, CGNSFile& file)
     : Mesh(mesh)
     , File(file)
     , Zones(zoneNames(mesh))
@@ -68,41 +68,25 @@ public:
     , Contacts(mesh.blocks.size(), 0)
     , Conditions(mesh.blocks.size(), 0)
   {
-    for (std::size_t n = 0; n < this->Families.size(); ++n)
-    {
-      if (this->Families[n] != mesh.boundaryNames[n])
-      {
-        notes.push_back("boundary '" + mesh.boundaryNames[n] + "' is family '" + this->Families[n] + "' in the file");
-      }
-    }
   }
 
   void write(std::vector<std::string>& notes)
   {
-    const int file = this->File.number();
-    int base = 0;
-    this->File.check(cg_base_write(file, "Base", 3, 3, &base), "the base");
-    if (!writeUnits(this->File, base, this->Mesh.lengthUnit))
-    {
-      notes.push_back("CGNS has no name for the unit of length; the file declares none");
-    }
-    writeFamilies(this->File, base, this->Families, this->Mesh.boundaryTypes);
+    writeHeader(
+      this->File, this->Mesh.lengthUnit, this->Families, this->Mesh.boundaryNames, this->Mesh.boundaryTypes, notes);
     for (std::size_t b = 0; b < this->Zones.size(); ++b)
     {
       const BlockToWrite& block = this->Mesh.blocks[b];
-      std::array<cgsize_t, 9> size{};
+      std::vector<cgsize_t> size(9, 0);
       for (int d = 0; d < 3; ++d)
       {
         size[d] = block.counts[d];
         size[3 + d] = block.cells(d);
       }
-      int zone = 0;
-      this->File.check(cg_zone_write(file, base, this->Zones[b].c_str(), size.data(), CGNS_ENUMV(Structured), &zone),
-        "zone '" + this->Zones[b] + "'");
+      this->File.call<&CGNSLibrary::zone>(this->Zones[b], size);
       if (this->Zones[b] != block.name)
       {
-        this->File.check(cg_goto(file, base, "Zone_t", zone, "end"), "a name");
-        this->File.check(cg_descriptor_write("BlockName", block.name.c_str()), "a name");
+        this->File.call<&CGNSLibrary::description>(static_cast<int>(b) + 1, "BlockName", block.name);
       }
     }
     for (const Interface& contact : this->Mesh.interfaces)
@@ -141,10 +125,7 @@ private:
     const auto donor = pointRange(this->Mesh.blocks[c.blockB], c.faceB, begin, end);
     const std::array<int, 3> transform = cgnsTransform(c.faceA, c.faceB, c.orientation);
     const std::string name = "interface_" + std::to_string(++this->Contacts[c.blockA]);
-    int index = 0;
-    this->File.check(cg_1to1_write(this->File.number(), 1, c.blockA + 1, name.c_str(), this->Zones[c.blockB].c_str(),
-                       range.data(), donor.data(), transform.data(), &index),
-      "an interface of zone '" + this->Zones[c.blockA] + "'");
+    this->File.call<&CGNSLibrary::interface>(c.blockA + 1, name, this->Zones[c.blockB], range, donor, transform);
   }
 
   void writeBoundary(const BoundaryPatch& patch)
@@ -153,18 +134,12 @@ private:
     const auto range = pointRange(this->Mesh.blocks[patch.block], patch.face, patch.range.lo, patch.range.hi);
     const std::string number = "_" + std::to_string(++this->Conditions[patch.block]);
     const std::string name = family.substr(0, 32 - number.size()) + number;
-    const std::string what = "boundary condition '" + name + "' of zone '" + this->Zones[patch.block] + "'";
-    const int file = this->File.number();
-    int index = 0;
-    this->File.check(cg_boco_write(file, 1, patch.block + 1, name.c_str(), CGNS_ENUMV(FamilySpecified),
-                       CGNS_ENUMV(PointRange), 2, range.data(), &index),
-      what);
-    this->File.check(cg_goto(file, 1, "Zone_t", patch.block + 1, "ZoneBC_t", 1, "BC_t", index, "end"), what);
-    this->File.check(cg_famname_write(family.c_str()), what);
+    this->File.call<&CGNSLibrary::boundary>(
+      patch.block + 1, name, family, std::vector<cgsize_t>(range.begin(), range.end()), false);
   }
 
   const MeshToWrite& Mesh;
-  const CGNSFile& File;
+  CGNSFile& File;
   const std::vector<std::string> Zones;
   const std::vector<std::string> Families;
   std::vector<int> Contacts;
@@ -198,9 +173,8 @@ std::vector<Real> layers(const BlockToWrite& block, int first, int last)
 
 template <typename Real>
 void writeCoordinates(
-  const MeshToWrite& mesh, std::size_t b, const CGNSFile* file, const Execution& run, double done, double total)
+  const MeshToWrite& mesh, std::size_t b, CGNSFile* file, const Execution& run, double done, double total)
 {
-  static constexpr const char* Axes[3] = { "CoordinateX", "CoordinateY", "CoordinateZ" };
   const Ranks& ranks = *run.ranks;
   const BlockToWrite& block = mesh.blocks[b];
   const Index layer = Index(block.counts[0]) * block.counts[1];
@@ -222,15 +196,13 @@ void writeCoordinates(
     }
     if (ranks.rank() == 0)
     {
-      const std::array<cgsize_t, 3> first{ 1, 1, k + 1 };
-      const std::array<cgsize_t, 3> last{ block.counts[0], block.counts[1], end };
+      const std::vector<cgsize_t> first{ 1, 1, k + 1 };
+      const std::vector<cgsize_t> last{ block.counts[0], block.counts[1], end };
       for (int c = 0; c < 3; ++c)
       {
-        int index = 0;
-        file->check(cg_coord_partial_write(file->number(), 1, static_cast<int>(b) + 1,
-                      sizeof(Real) == 4 ? CGNS_ENUMV(RealSingle) : CGNS_ENUMV(RealDouble), Axes[c], first.data(),
-                      last.data(), values.data() + c * (values.size() / 3), &index),
-          Axes[c]);
+        const auto begin = values.begin() + c * static_cast<std::ptrdiff_t>(values.size() / 3);
+        file->call<&CGNSLibrary::coordinates<Real>>(static_cast<int>(b) + 1, c, first, last,
+          std::vector<Real>(begin, begin + static_cast<std::ptrdiff_t>(values.size() / 3)));
       }
     }
   }
@@ -244,13 +216,10 @@ void writeCGNS(const MeshToWrite& mesh, AtomicFile& file, const Execution& run, 
   std::unique_ptr<CGNSFile> output;
   if (ranks.rank() == 0)
   {
-    // Zones with coordinates, both sides of the interfaces, families and boundary conditions.
-    const double nodes = 8.0 + 10.0 * static_cast<double>(mesh.blocks.size()) +
-      8.0 * static_cast<double>(mesh.interfaces.size()) + 2.0 * static_cast<double>(mesh.boundaryNames.size()) +
-      4.0 * static_cast<double>(mesh.boundaries.size());
-    output =
-      std::make_unique<CGNSFile>(file, static_cast<double>(mesh.pointCount()) * (mesh.isFloat() ? 12.0 : 24.0), nodes);
-    StructureWriter(mesh, *output, notes).write(notes);
+    const double bytes = static_cast<double>(mesh.pointCount()) * (mesh.isFloat() ? 12.0 : 24.0);
+    file.requireRoom(bytes);
+    output = std::make_unique<CGNSFile>(file, writingSeconds(bytes), run, notes);
+    StructureWriter(mesh, *output).write(notes);
   }
   double done = 0.0;
   const double total = static_cast<double>(mesh.pointCount()) + 1.0;
@@ -263,6 +232,7 @@ void writeCGNS(const MeshToWrite& mesh, AtomicFile& file, const Execution& run, 
   if (output)
   {
     output->close();
+    file.takeOver();
   }
 }
 

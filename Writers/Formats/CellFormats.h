@@ -30,8 +30,9 @@ void writeGmsh(const CurvedCells& cells, AtomicFile& file, GmshVersion version, 
 /// plane, 1 without a name.
 ///
 /// Source: HOPR's documentation of the mesh format, https://hopr.readthedocs.io. Rank 0 writes. Collective.
+/// @param[in,out] notes what was changed
 /// @throws Error for more than 2^31 - 1 nodes or sides.
-void writeHOPR(const CurvedCells& cells, AtomicFile& file, const Execution& run);
+void writeHOPR(const CurvedCells& cells, AtomicFile& file, const Execution& run, std::vector<std::string>& notes);
 
 /// CGNS (HDF5): one unstructured zone of HEXA_27 or HEXA_64, a section of QUAD_9 or QUAD_16 and a boundary condition
 /// per boundary name, families with their types.

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/CellFormats.h"
 
+#include "Formats/HOPRFile.h"
 #include "Ranks/Ranks.h"
 
-#include <vtk_hdf5.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <memory>
-
-#include <unistd.h>
 
 namespace bsv
 {
@@ -23,7 +19,6 @@ namespace
 
 constexpr int CurvedHexahedron = 208;
 constexpr int CurvedQuadrilateral = 24;
-constexpr std::size_t NameLength = 255;
 
 /// HOPR's sides: k min, j min, i max, j max, i min, k max, as sides of HexSides, and their corners.
 constexpr int Sides[6] = { 4, 2, 1, 3, 0, 5 };
@@ -35,126 +30,6 @@ int hoprSide(int side)
 {
   return static_cast<int>(std::find(std::begin(Sides), std::end(Sides), side) - std::begin(Sides));
 }
-
-/// Something of the HDF5 library that has to be closed.
-class Handle
-{
-public:
-  Handle(hid_t id, herr_t (*close)(hid_t))
-    : Id(id)
-    , Close(close)
-  {
-  }
-  ~Handle()
-  {
-    if (this->Id >= 0)
-    {
-      this->Close(this->Id);
-    }
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return this->Id; }
-
-private:
-  hid_t Id;
-  herr_t (*Close)(hid_t);
-};
-
-/// An HDF5 file under the temporary name of an AtomicFile.
-class HDF5File
-{
-public:
-  HDF5File(AtomicFile& file, double bytes)
-    : File(file)
-  {
-    file.requireRoom(bytes);
-    // Errors become exceptions here, and nothing is printed.
-    H5Eget_auto2(H5E_DEFAULT, &this->Report, &this->ReportData);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    this->Id = H5Fcreate(file.temporaryPath().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    if (this->Id < 0)
-    {
-      H5Eset_auto2(H5E_DEFAULT, this->Report, this->ReportData);
-      throw FileError("Cannot create '" + file.target() + "'", errno);
-    }
-  }
-  ~HDF5File()
-  {
-    if (this->Id >= 0)
-    {
-      // The library needs room for what it still holds.
-      (void)!::truncate(this->File.temporaryPath().c_str(), 0);
-      H5Fclose(this->Id);
-    }
-    H5Eset_auto2(H5E_DEFAULT, this->Report, this->ReportData);
-  }
-  HDF5File(const HDF5File&) = delete;
-  HDF5File& operator=(const HDF5File&) = delete;
-
-  void close()
-  {
-    this->check(H5Fflush(this->Id, H5F_SCOPE_GLOBAL), "the end");
-    const hid_t id = this->Id;
-    this->Id = -1;
-    this->check(H5Fclose(id), "the end");
-    this->File.takeOver();
-  }
-
-  void attribute(const char* name, double value) { this->attribute(name, H5T_NATIVE_DOUBLE, &value); }
-  void attribute(const char* name, int value) { this->attribute(name, H5T_NATIVE_INT, &value); }
-
-  /// A data set of rows, to be filled by rows().
-  void create(const char* name, hid_t type, Index rows, int columns)
-  {
-    const hsize_t size[2] = { static_cast<hsize_t>(rows), static_cast<hsize_t>(columns) };
-    const Handle space(H5Screate_simple(columns > 0 ? 2 : 1, size, nullptr), &H5Sclose);
-    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
-    // The time of day would make equal meshes to different files.
-    this->check(H5Pset_obj_track_times(properties, false), name);
-    const Handle set(H5Dcreate2(this->Id, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT), &H5Dclose);
-    this->check(set, name);
-  }
-
-  /// Writes the rows [first, first + count). @param columns 0: one value a row
-  void rows(const char* name, hid_t type, Index first, Index count, int columns, const void* values)
-  {
-    if (count == 0)
-    {
-      return;
-    }
-    const hsize_t start[2] = { static_cast<hsize_t>(first), 0 };
-    const hsize_t size[2] = { static_cast<hsize_t>(count), static_cast<hsize_t>(columns) };
-    const int rank = columns > 0 ? 2 : 1;
-    const Handle set(H5Dopen2(this->Id, name, H5P_DEFAULT), &H5Dclose);
-    const Handle space(H5Dget_space(set), &H5Sclose);
-    const Handle memory(H5Screate_simple(rank, size, nullptr), &H5Sclose);
-    this->check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, size, nullptr), name);
-    this->check(H5Dwrite(set, type, memory, space, H5P_DEFAULT, values), name);
-  }
-
-private:
-  void check(hid_t status, const char* what) const
-  {
-    if (status < 0)
-    {
-      throw FileError(std::string("Cannot write ") + what + " to '" + this->File.target() + "'", errno);
-    }
-  }
-
-  void attribute(const char* name, hid_t type, const void* value)
-  {
-    const hsize_t one = 1;
-    const Handle space(H5Screate_simple(1, &one, nullptr), &H5Sclose);
-    const Handle attribute(H5Acreate2(this->Id, name, type, space, H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
-    this->check(H5Awrite(attribute, type, value), name);
-  }
-
-  AtomicFile& File;
-  hid_t Id = -1;
-  H5E_auto2_t Report = nullptr;
-  void* ReportData = nullptr;
-};
 
 /// Boundary condition types of HOPR's users: 2 outer boundaries, 4 walls, 9 symmetry planes.
 int boundaryType(const std::string& type)
@@ -169,7 +44,7 @@ int boundaryType(const std::string& type)
 class HOPRWriter
 {
 public:
-  HOPRWriter(const CurvedCells& cells, HDF5File& file)
+  HOPRWriter(const CurvedCells& cells, HOPRFile& file)
     : Cells(cells)
     , Volume(cells.volume())
     , File(file)
@@ -200,37 +75,35 @@ public:
     const bool unnamed = std::any_of(this->Volume.boundaries.begin(), this->Volume.boundaries.end(),
       [](const BoundaryPatch& patch) { return patch.tag < 0; });
     const int conditions = names + (unnamed ? 1 : 0);
-    this->File.attribute("Version", 1.0);
-    this->File.attribute("Ngeo", this->Cells.order());
-    this->File.attribute("nElems", static_cast<int>(count));
-    this->File.attribute("nSides", static_cast<int>(6 * count));
-    this->File.attribute("nNodes", static_cast<int>(this->NodesPerCell * count));
-    this->File.attribute("nUniqueSides", static_cast<int>(this->UniqueSides));
-    this->File.attribute("nUniqueNodes", static_cast<int>(this->Cells.numbers().count()));
-    this->File.attribute("nBCs", conditions);
+    this->File.call<&HOPRLibrary::number>("Version", 1.0);
+    this->File.call<&HOPRLibrary::count>("Ngeo", this->Cells.order());
+    this->File.call<&HOPRLibrary::count>("nElems", static_cast<int>(count));
+    this->File.call<&HOPRLibrary::count>("nSides", static_cast<int>(6 * count));
+    this->File.call<&HOPRLibrary::count>("nNodes", static_cast<int>(this->NodesPerCell * count));
+    this->File.call<&HOPRLibrary::count>("nUniqueSides", static_cast<int>(this->UniqueSides));
+    this->File.call<&HOPRLibrary::count>("nUniqueNodes", static_cast<int>(this->Cells.numbers().count()));
+    this->File.call<&HOPRLibrary::count>("nBCs", conditions);
 
-    this->File.create("ElemInfo", H5T_STD_I32LE, count, 6);
-    this->File.create("SideInfo", H5T_STD_I32LE, 6 * count, 5);
-    this->File.create("NodeCoords", H5T_IEEE_F64LE, this->NodesPerCell * count, 3);
-    this->File.create("GlobalNodeIDs", H5T_STD_I32LE, this->NodesPerCell * count, 0);
-    this->File.create("ElemBarycenters", H5T_IEEE_F64LE, count, 3);
-    this->File.create("ElemWeight", H5T_IEEE_F64LE, count, 0);
+    this->File.call<&HOPRLibrary::create>("ElemInfo", HDF5Type::Integer, count, 6);
+    this->File.call<&HOPRLibrary::create>("SideInfo", HDF5Type::Integer, 6 * count, 5);
+    this->File.call<&HOPRLibrary::create>("NodeCoords", HDF5Type::Real, this->NodesPerCell * count, 3);
+    this->File.call<&HOPRLibrary::create>("GlobalNodeIDs", HDF5Type::Integer, this->NodesPerCell * count, 0);
+    this->File.call<&HOPRLibrary::create>("ElemBarycenters", HDF5Type::Real, count, 3);
+    this->File.call<&HOPRLibrary::create>("ElemWeight", HDF5Type::Real, count, 0);
 
-    const Handle text(H5Tcopy(H5T_C_S1), &H5Tclose);
-    H5Tset_size(text, NameLength);
-    H5Tset_strpad(text, H5T_STR_SPACEPAD);
-    std::vector<char> labels(NameLength * conditions, ' ');
+    std::vector<char> labels(HOPRLibrary::TextLength * conditions, ' ');
     std::vector<int> types(4 * static_cast<std::size_t>(conditions), 0);
     for (int n = 0; n < conditions; ++n)
     {
       const std::string name = n < names ? this->Volume.boundaryNames[n] : "unnamed";
-      std::memcpy(labels.data() + NameLength * n, name.data(), std::min(name.size(), NameLength));
+      std::memcpy(
+        labels.data() + HOPRLibrary::TextLength * n, name.data(), std::min(name.size(), HOPRLibrary::TextLength));
       types[4 * n] = n < names ? boundaryType(this->Volume.boundaryTypes[n]) : 1;
     }
-    this->File.create("BCNames", text, conditions, 0);
-    this->File.rows("BCNames", text, 0, conditions, 0, labels.data());
-    this->File.create("BCType", H5T_STD_I32LE, conditions, 4);
-    this->File.rows("BCType", H5T_NATIVE_INT, 0, conditions, 4, types.data());
+    this->File.call<&HOPRLibrary::create>("BCNames", HDF5Type::Text, conditions, 0);
+    this->File.call<&HOPRLibrary::texts>("BCNames", 0, conditions, 0, labels);
+    this->File.call<&HOPRLibrary::create>("BCType", HDF5Type::Integer, conditions, 4);
+    this->File.call<&HOPRLibrary::integers>("BCType", 0, conditions, 4, types);
   }
 
   /// All but the coordinates of the cells of a block, layer by layer.
@@ -266,11 +139,11 @@ public:
       }
       const Index count = cell - first;
       const std::vector<double> weights(static_cast<std::size_t>(count), 1.0);
-      this->File.rows("ElemInfo", H5T_NATIVE_INT, first, count, 6, elements.data());
-      this->File.rows("SideInfo", H5T_NATIVE_INT, 6 * first, 6 * count, 5, sides.data());
-      this->File.rows(
-        "GlobalNodeIDs", H5T_NATIVE_INT, this->NodesPerCell * first, this->NodesPerCell * count, 0, numbers.data());
-      this->File.rows("ElemWeight", H5T_NATIVE_DOUBLE, first, count, 0, weights.data());
+      this->File.call<&HOPRLibrary::integers>("ElemInfo", first, count, 6, elements);
+      this->File.call<&HOPRLibrary::integers>("SideInfo", 6 * first, 6 * count, 5, sides);
+      this->File.call<&HOPRLibrary::integers>(
+        "GlobalNodeIDs", this->NodesPerCell * first, this->NodesPerCell * count, 0, numbers);
+      this->File.call<&HOPRLibrary::reals>("ElemWeight", first, count, 0, weights);
     }
   }
 
@@ -307,9 +180,9 @@ public:
       }
       const Index first = this->Cells.cellNumber(block, { 0, 0, k });
       const Index count = Index(spans[0]) * spans[1];
-      this->File.rows(
-        "NodeCoords", H5T_NATIVE_DOUBLE, this->NodesPerCell * first, this->NodesPerCell * count, 3, points.data());
-      this->File.rows("ElemBarycenters", H5T_NATIVE_DOUBLE, first, count, 3, centres.data());
+      this->File.call<&HOPRLibrary::reals>(
+        "NodeCoords", this->NodesPerCell * first, this->NodesPerCell * count, 3, points);
+      this->File.call<&HOPRLibrary::reals>("ElemBarycenters", first, count, 3, centres);
     }
   }
 
@@ -415,7 +288,7 @@ private:
 
   const CurvedCells& Cells;
   const VolumeToWrite& Volume;
-  HDF5File& File;
+  HOPRFile& File;
   const int NodesPerCell;
   /// Boundary condition, from 1, of every block face on the boundary.
   std::vector<int> BoundaryOf;
@@ -425,18 +298,16 @@ private:
 
 } // namespace
 
-void writeHOPR(const CurvedCells& cells, AtomicFile& file, const Execution& run)
+void writeHOPR(const CurvedCells& cells, AtomicFile& file, const Execution& run, std::vector<std::string>& notes)
 {
   const Ranks& ranks = *run.ranks;
-  std::unique_ptr<HDF5File> output;
+  std::unique_ptr<HOPRFile> output;
   std::unique_ptr<HOPRWriter> writer;
   if (ranks.rank() == 0)
   {
-    const double perCell = std::pow(cells.order() + 1.0, 3);
-    // The arrays, and no less than HDF5 takes beside them: it cannot let go of what it may not write (RLIMIT_FSIZE).
-    output = std::make_unique<HDF5File>(file,
-      (28.0 * perCell + 176.0) * static_cast<double>(cells.cellCount()) +
-        300.0 * static_cast<double>(cells.volume().boundaryNames.size()) + 65536.0);
+    const double bytes = (28.0 * std::pow(cells.order() + 1.0, 3) + 176.0) * static_cast<double>(cells.cellCount());
+    file.requireRoom(bytes);
+    output = std::make_unique<HOPRFile>(file, writingSeconds(bytes), run, notes);
     writer = std::make_unique<HOPRWriter>(cells, *output);
     writer->begin();
   }
@@ -461,6 +332,7 @@ void writeHOPR(const CurvedCells& cells, AtomicFile& file, const Execution& run)
   if (writer)
   {
     output->close();
+    file.takeOver();
   }
 }
 

@@ -50,8 +50,8 @@ void writeG2(const std::vector<BodyPatch>& patches, AtomicFile& file)
 
 } // namespace
 
-void writeNURBSSurfaceFile(
-  const SurfacesToWrite& surfaces, const std::string& fileName, double metres, std::vector<std::string>& notes)
+void writeNURBSSurfaceFile(const SurfacesToWrite& surfaces, const std::string& fileName, double metres,
+  const Execution& run, std::vector<std::string>& notes)
 {
   const std::filesystem::path path(fileName);
   std::string extension = path.extension().string();
@@ -70,7 +70,7 @@ void writeNURBSSurfaceFile(
   else
   {
     notes.insert(notes.end(), surfaces.notes.begin(), surfaces.notes.end());
-    writeCAD(surfaces, step ? CADFormat::STEP : CADFormat::IGES, metres, path.stem().string(), file, notes);
+    writeCAD(surfaces, step ? CADFormat::STEP : CADFormat::IGES, metres, path.stem().string(), file, run, notes);
   }
   file.finish();
   file.publish();

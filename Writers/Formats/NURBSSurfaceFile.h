@@ -16,7 +16,7 @@ namespace bsv
 /// @param metres per unit of the points.
 /// @param[in,out] notes gets one sentence for each thing that the format cannot hold.
 /// @throws Error for another extension, what writeCAD() refuses, and what AtomicFile refuses.
-void writeNURBSSurfaceFile(
-  const SurfacesToWrite& surfaces, const std::string& fileName, double metres, std::vector<std::string>& notes);
+void writeNURBSSurfaceFile(const SurfacesToWrite& surfaces, const std::string& fileName, double metres,
+  const Execution& run, std::vector<std::string>& notes);
 
 } // namespace bsv

@@ -18,6 +18,12 @@ class FileError : public Error
 public:
   /// @param code the value of errno
   FileError(const std::string& text, int code);
+  /// With the complete text of another one.
+  FileError(const std::string& text, bool noRoom)
+    : Error(text)
+    , NoRoom(noRoom)
+  {
+  }
   /// Whether there was no room for the file: a full disk, a quota, a limit on the size of files.
   bool noRoom() const { return this->NoRoom; }
 

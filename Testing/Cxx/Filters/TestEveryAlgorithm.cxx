@@ -324,6 +324,83 @@ TEST_F(EveryAlgorithm, WritersWithoutRoomLeaveTheOldFile)
   }
 }
 
+/// Sets variables of the environment that child processes get, and removes them again.
+class Environment
+{
+public:
+  explicit Environment(std::map<std::string, std::string> variables)
+    : Variables(std::move(variables))
+  {
+    for (const auto& [name, value] : this->Variables)
+    {
+      ::setenv(name.c_str(), value.c_str(), 1);
+    }
+  }
+  ~Environment()
+  {
+    for (const auto& [name, value] : this->Variables)
+    {
+      ::unsetenv(name.c_str());
+    }
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+private:
+  std::map<std::string, std::string> Variables;
+};
+
+// Third-party libraries, in their own process: a disk that gets full at any write, or a crash there.
+TEST_F(EveryAlgorithm, LibrariesThatFailWhileTheyWriteLeaveTheOldFile)
+{
+  const char* all = std::getenv("BSV_ALL_WRITES");
+  for (const Inputs::Case& which : All->writers())
+  {
+    const std::string extension = std::filesystem::path(which.file).extension();
+    if (extension != ".cgns" && extension != ".h5" && extension != ".igs" && extension != ".stp")
+    {
+      continue;
+    }
+    const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
+    auto* writer = vtkWriter::SafeDownCast(algorithm);
+    for (const char* kind : { "BSV_FAILING_WRITE", "BSV_CRASHING_WRITE" })
+    {
+      const bool full = std::string(kind) == "BSV_FAILING_WRITE";
+      int failures = 0;
+      for (int n = 1;; n = all ? n + 1 : 4 * n)
+      {
+        meshfiles::writeFile(which.file, "old");
+        Told told;
+        {
+          const Environment environment({ { "LD_PRELOAD", BSV_FAILING_WRITE }, { kind, std::to_string(n) } });
+          told = algorithms::run(writer);
+        }
+        if (errors(told).empty())
+        {
+          // There are fewer writes.
+          EXPECT_NE(meshfiles::readFile(which.file), "old") << which.name;
+          break;
+        }
+        ++failures;
+        const std::string place = which.name + ", " + kind + " " + std::to_string(n) + ": " + errors(told)[0];
+        EXPECT_EQ(errors(told).size(), 1u) << place;
+        EXPECT_NE(errors(told)[0].find(which.file), std::string::npos) << place;
+        EXPECT_NE(errors(told)[0].find(full ? "No space left" : "abort"), std::string::npos) << place;
+        EXPECT_TRUE(!full || writer->GetErrorCode() == vtkErrorCode::OutOfDiskSpaceError) << place;
+        EXPECT_EQ(meshfiles::readFile(which.file), "old") << place;
+      }
+      std::cout << which.name << ", " << kind << ": " << failures << " failures\n";
+      // OpenCASCADE writes no file itself.
+      EXPECT_TRUE(failures > 1 || extension == ".igs" || extension == ".stp") << which.name;
+    }
+    EXPECT_EQ(errors(algorithms::run(writer)), std::vector<std::string>()) << which.name;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(Folder))
+  {
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  }
+}
+
 template <typename Reader>
 void expectOneMessageWithoutFileName()
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whatever happens in a process that reads a file, this one gets one error and goes on; nothing stays open.
-#include "Formats/ChildProcess.h"
+#include "Execution/ChildProcess.h"
 
 #include "Support/MeshFiles.h"
 

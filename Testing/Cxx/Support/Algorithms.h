@@ -330,7 +330,7 @@ public:
     {
       add(static_cast<vtkBSplineVolumeWriter*>(nullptr), this->Volume, file);
     }
-    for (const char* file : { "body.igs", "body.g2" })
+    for (const char* file : { "body.stp", "body.igs", "body.g2" })
     {
       add(static_cast<vtkNURBSSurfaceWriter*>(nullptr), this->Body, file);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/ChildProcess.h"
+#include "Execution/ChildProcess.h"
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +22,7 @@
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -63,10 +64,36 @@ std::string programBeside(const std::string&)
   return {};
 }
 
-std::optional<ChildResult> runChild(
-  const std::string&, const std::vector<std::string>&, const std::string&, const ChildLimits&, const Execution&)
+class ChildProcess::Implementation
+{
+};
+
+ChildProcess::ChildProcess(const std::string&, const std::vector<std::string>&, const std::string&, const ChildLimits&)
+{
+}
+
+ChildProcess::~ChildProcess() = default;
+
+bool ChildProcess::speaks(const Execution&)
+{
+  return false;
+}
+
+bool ChildProcess::send(const char*, std::size_t, const Execution&)
+{
+  return false;
+}
+
+std::optional<ChildResult> ChildProcess::finish(const Execution&)
 {
   return std::nullopt;
+}
+
+void ChildChannel::begin() const {}
+
+bool ChildChannel::receive(char*, std::size_t) const
+{
+  return false;
 }
 
 void ChildChannel::send(char, const void*, std::size_t) const {}
@@ -112,6 +139,11 @@ public:
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return this->Number; }
+  void set(int number)
+  {
+    this->close();
+    this->Number = number;
+  }
   void close()
   {
     if (this->Number >= 0)
@@ -210,7 +242,7 @@ public:
   Child& operator=(const Child&) = delete;
 
   /// @return false if the program cannot be started.
-  bool start(const std::string& program, const std::vector<std::string>& arguments, int file, int pipe)
+  bool start(const std::string& program, const std::vector<std::string>& arguments, int input, int file, int pipe)
   {
     std::vector<char*> words{ const_cast<char*>(program.c_str()) };
     for (const std::string& argument : arguments)
@@ -223,7 +255,7 @@ public:
     posix_spawnattr_t attributes;
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
-    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, input, 0);
     posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, file, ChildChannel::File);
@@ -278,6 +310,10 @@ public:
   /// How it ended, for a message; empty if it ended by itself without an error.
   std::string wait()
   {
+    if (this->Id == 0)
+    {
+      return this->End;
+    }
     int status = 0;
     pid_t found = 0;
     do
@@ -290,16 +326,18 @@ public:
       return {}; // someone else has waited for it
     }
     this->ExitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
-    if (WIFSIGNALED(status))
-    {
-      return "it ended with a " + signalText(WTERMSIG(status));
-    }
-    return this->ExitCode == 0 ? "" : "it ended with code " + std::to_string(this->ExitCode);
+    this->End = WIFSIGNALED(status) ? "it ended with a " + signalText(WTERMSIG(status))
+      : this->ExitCode == 0         ? ""
+                                    : "it ended with code " + std::to_string(this->ExitCode);
+    return this->End;
   }
 
-  int exitCode() const
+  /// Whether it has ended as the system's loader ends a program without its libraries.
+  bool lacksLibraries()
   {
-    return this->ExitCode;
+    constexpr int NotLoaded = 127;
+    this->wait();
+    return this->ExitCode == NotLoaded;
   }
 
 private:
@@ -344,6 +382,7 @@ private:
 
   pid_t Id = 0;
   int ExitCode = 0;
+  std::string End;
 };
 
 } // namespace
@@ -431,101 +470,221 @@ std::string programBeside(const std::string& name)
   return access(program.c_str(), X_OK) == 0 ? program.string() : std::string();
 }
 
-std::optional<ChildResult> runChild(const std::string& program, const std::vector<std::string>& arguments,
-  const std::string& subject, const ChildLimits& limits, const Execution& run)
+class ChildProcess::Implementation
 {
-  ChildResult result{ SharedFile::create(), {} };
-  int ends[2];
-  if (pipe(ends) != 0)
+public:
+  Implementation(const std::string& program, const std::vector<std::string>& arguments, const std::string& subject,
+    const ChildLimits& limits)
+    : Subject(subject)
+    , Limits(limits)
+    , Library(std::string(": the library that ") + (limits.writes ? "writes" : "reads") + " it ")
+    , Result{ SharedFile::create(), {} }
   {
-    throw Error(subject + ": no pipe to another process: " + std::strerror(errno));
+    int from[2];
+    int to[2];
+    if (pipe(from) != 0)
+    {
+      throw Error(subject + ": no pipe to another process: " + std::strerror(errno));
+    }
+    this->Reading.set(aboveStandard(from[0]));
+    Descriptor writing(aboveStandard(from[1]));
+    if (socketpair(AF_UNIX, SOCK_STREAM, 0, to) != 0)
+    {
+      throw Error(subject + ": no socket to another process: " + std::strerror(errno));
+    }
+    this->Input.set(aboveStandard(to[0]));
+    Descriptor input(aboveStandard(to[1]));
+    this->Started = this->Reading.get() >= 0 && writing.get() >= 0 && this->Input.get() >= 0 && input.get() >= 0 &&
+      this->Process.start(program, arguments, input.get(), this->Result.file.descriptor(), writing.get());
+    if (this->Started)
+    {
+      this->Process.limit(limits);
+    }
   }
-  Descriptor reading(aboveStandard(ends[0]));
-  Descriptor writing(aboveStandard(ends[1]));
-  Child child;
-  if (reading.get() < 0 || writing.get() < 0 ||
-    !child.start(program, arguments, result.file.descriptor(), writing.get()))
-  {
-    return std::nullopt;
-  }
-  writing.close();
-  child.limit(limits);
 
-  std::string received;
-  double fraction = 0.0;
-  double seconds = 0.0;
-  auto busy = std::chrono::steady_clock::now();
-  const auto idle = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - busy).count(); };
-  for (bool open = true; open;)
+  bool speaks(const Execution& run)
   {
-    pollfd waiting{ reading.get(), POLLIN, 0 };
-    const int ready = poll(&waiting, 1, 100);
-    if (ready > 0)
+    this->startWaiting();
+    while (this->Started && this->Open && !this->HasSpoken)
+    {
+      this->wait(false, run);
+    }
+    return this->Started && (this->HasSpoken || !this->Process.lacksLibraries());
+  }
+
+  bool send(const char* data, std::size_t bytes, const Execution& run)
+  {
+    this->startWaiting();
+    for (std::size_t sent = 0; sent < bytes && this->Open;)
+    {
+      const ssize_t count = ::send(this->Input.get(), data + sent, bytes - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (count < 0 && errno != EAGAIN && errno != EINTR)
+      {
+        return false;
+      }
+      sent += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
+      if (sent < bytes)
+      {
+        this->wait(true, run);
+      }
+    }
+    return this->Open;
+  }
+
+  std::optional<ChildResult> finish(const Execution& run)
+  {
+    if (!this->Started)
+    {
+      return std::nullopt;
+    }
+    this->Input.close();
+    this->startWaiting();
+    while (this->Open)
+    {
+      this->wait(false, run);
+    }
+    const char* object = this->Limits.writes ? "disk" : "file";
+    const double used = this->Process.seconds();
+    if (isNonsense(this->Received))
+    {
+      throw Error(
+        this->Subject + this->Library + "failed: its result is damaged; so is the " + object + ", or memory is short");
+    }
+    const std::string end = this->Process.wait();
+    std::uint64_t length = 0;
+    if (this->Received.size() >= 9)
+    {
+      std::memcpy(&length, this->Received.data() + 1, sizeof(length));
+    }
+    const bool whole = this->Received.size() >= 9 && this->Received.size() == 9 + length;
+    if (whole && this->Received[0] == 'E')
+    {
+      throw Error(this->Received.substr(9));
+    }
+    if (whole && this->Received[0] == 'D' && end.empty())
+    {
+      this->Result.message = this->Received.substr(9);
+      return std::move(this->Result);
+    }
+    if (this->Process.lacksLibraries())
+    {
+      return std::nullopt;
+    }
+    if (std::max(used, this->Seconds) >= this->Limits.processorSeconds - 0.5)
+    {
+      throw Error(this->Subject + ": " + this->verb() + " was stopped after " +
+        std::to_string(static_cast<int>(this->Limits.processorSeconds)) +
+        " seconds of computation in the library; the " + object + " is damaged or " +
+        (this->Limits.writes ? "slow" : "too large"));
+    }
+    throw Error(this->Subject + this->Library + "failed" + (end.empty() ? "" : ": " + end) + "; the " + object +
+      " is damaged, or memory is short");
+  }
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  const char* verb() const { return this->Limits.writes ? "writing" : "reading"; }
+
+  void startWaiting() { this->Busy = Clock::now(); }
+
+  /// Waits a moment for what the child says, or until it takes more.
+  void wait(bool sends, const Execution& run)
+  {
+    pollfd waiting[2] = { { this->Reading.get(), POLLIN, 0 }, { this->Input.get(), POLLOUT, 0 } };
+    const int ready = poll(waiting, sends ? 2 : 1, 100);
+    if (waiting[0].revents != 0)
     {
       char buffer[1 << 16];
-      const ssize_t count = read(reading.get(), buffer, sizeof(buffer));
-      open = count > 0 || (count < 0 && errno == EINTR);
-      received.append(buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+      const ssize_t count = read(this->Reading.get(), buffer, sizeof(buffer));
+      this->Open = count > 0 || (count < 0 && errno == EINTR);
+      this->HasSpoken = this->HasSpoken || count > 0;
+      this->Received.append(buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
       // What is more than a report of progress is the last that the child says.
-      while (received.size() >= 9 && received[0] == 'P')
+      while (this->Received.size() >= 9 && this->Received[0] == 'P')
       {
         double value = 0.0;
-        std::memcpy(&value, received.data() + 1, sizeof(value));
-        fraction = value >= fraction && value <= 1.0 ? value : fraction;
-        received.erase(0, 9);
+        std::memcpy(&value, this->Received.data() + 1, sizeof(value));
+        this->Fraction = value >= this->Fraction && value <= 1.0 ? value : this->Fraction;
+        this->Received.erase(0, 9);
       }
       // Anything else than its last text, or more, is none of its words.
-      open = open && !isNonsense(received);
+      this->Open = this->Open && !isNonsense(this->Received);
     }
-    run.report(fraction);
-    const double now = child.seconds();
-    if (now != seconds || ready > 0)
+    run.report(this->Fraction);
+    const double now = this->Process.seconds();
+    if (now != this->Seconds || ready > 0)
     {
-      seconds = now;
-      busy = std::chrono::steady_clock::now();
+      this->Seconds = now;
+      this->startWaiting();
     }
-    else if (open && idle() > limits.idleSeconds)
+    else if (this->Open && std::chrono::duration<double>(Clock::now() - this->Busy).count() > this->Limits.idleSeconds)
     {
-      throw Error(subject + ": reading has stopped: the library that reads it has done nothing for " +
-        std::to_string(static_cast<int>(limits.idleSeconds)) + " seconds");
+      throw Error(this->Subject + ": " + this->verb() + " has stopped" + this->Library + "has done nothing for " +
+        std::to_string(static_cast<int>(this->Limits.idleSeconds)) + " seconds");
     }
   }
 
-  const double used = child.seconds();
-  if (isNonsense(received))
+  std::string Subject;
+  ChildLimits Limits;
+  std::string Library;
+  ChildResult Result;
+  Descriptor Reading, Input;
+  Child Process;
+  bool Started = false;
+  bool Open = true;
+  bool HasSpoken = false;
+  std::string Received;
+  double Fraction = 0.0;
+  double Seconds = 0.0;
+  Clock::time_point Busy;
+};
+
+ChildProcess::ChildProcess(const std::string& program, const std::vector<std::string>& arguments,
+  const std::string& subject, const ChildLimits& limits)
+  : Self(std::make_unique<Implementation>(program, arguments, subject, limits))
+{
+}
+
+ChildProcess::~ChildProcess() = default;
+
+bool ChildProcess::speaks(const Execution& run)
+{
+  return this->Self->speaks(run);
+}
+
+bool ChildProcess::send(const char* data, std::size_t bytes, const Execution& run)
+{
+  return this->Self->send(data, bytes, run);
+}
+
+std::optional<ChildResult> ChildProcess::finish(const Execution& run)
+{
+  return this->Self->finish(run);
+}
+
+void ChildChannel::begin() const
+{
+  for (int descriptor = Pipe + 1; descriptor < 1024; ++descriptor)
   {
-    throw Error(
-      subject + ": the library that reads it failed: its result is damaged; so is the file, or memory is short");
+    close(descriptor);
   }
-  const std::string end = child.wait();
-  std::uint64_t length = 0;
-  if (received.size() >= 9)
+  // A limit on the size of files is an error like any other, which the libraries can tell.
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+bool ChildChannel::receive(char* data, std::size_t bytes) const
+{
+  for (std::size_t got = 0; got < bytes;)
   {
-    std::memcpy(&length, received.data() + 1, sizeof(length));
+    const ssize_t count = read(0, data + got, bytes - got);
+    if (count == 0 || (count < 0 && errno != EINTR))
+    {
+      return false;
+    }
+    got += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
   }
-  const bool whole = received.size() >= 9 && received.size() == 9 + length;
-  if (whole && received[0] == 'E')
-  {
-    throw Error(received.substr(9));
-  }
-  if (whole && received[0] == 'D' && end.empty())
-  {
-    result.message = received.substr(9);
-    return result;
-  }
-  // The loader of the system ends a program without its libraries so.
-  constexpr int NotLoaded = 127;
-  if (child.exitCode() == NotLoaded)
-  {
-    return std::nullopt;
-  }
-  if (std::max(used, seconds) >= limits.processorSeconds - 0.5)
-  {
-    throw Error(subject + ": reading was stopped after " + std::to_string(static_cast<int>(limits.processorSeconds)) +
-      " seconds of computation in the library that reads it; the file is damaged or too large");
-  }
-  throw Error(subject + ": the library that reads it failed" + (end.empty() ? "" : ": " + end) +
-    "; the file is damaged, or memory is short");
+  return true;
 }
 
 void ChildChannel::send(char kind, const void* data, std::size_t bytes) const
@@ -544,6 +703,12 @@ void ChildChannel::send(char kind, const void* data, std::size_t bytes) const
 }
 
 #endif
+
+std::optional<ChildResult> runChild(const std::string& program, const std::vector<std::string>& arguments,
+  const std::string& subject, const ChildLimits& limits, const Execution& run)
+{
+  return ChildProcess(program, arguments, subject, limits).finish(run);
+}
 
 void ChildChannel::progress(double fraction) const
 {
