@@ -446,6 +446,12 @@ int vtkBSplineVolumeDifference::RequestData(
     {
       return;
     }
+    double controlPoints = 0.0;
+    for (std::size_t b = 0; b < after.volumes.size(); ++b)
+    {
+      controlPoints += after.isHere(b) ? static_cast<double>(after.grids[b]->GetNumberOfPoints()) : 0.0;
+    }
+    bsv::requireMemory(controlPoints * 4 * sizeof(double), "the volume", "the displacements of its control points");
     const std::vector<bsv::Interface> interfaces = interfacesOf(after, run);
     std::size_t otherKnots = 0;
     for (std::size_t b = 0; b < after.volumes.size(); ++b)

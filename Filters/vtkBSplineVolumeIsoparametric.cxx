@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeIsoparametric.h"
 
+#include "Base/MemoryCheck.h"
 #include "Data/BSplineVolumeData.h"
 #include "Execution/FilterExecution.h"
-#include "Execution/MemoryCheck.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

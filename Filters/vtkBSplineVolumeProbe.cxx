@@ -171,6 +171,11 @@ int vtkBSplineVolumeProbe::RequestData(
     bsv::requireFinitePoints(points, "Points", run);
     ranks.nextStep();
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
+    // On both sides of the question, and as arrays.
+    bsv::requireMemory(static_cast<double>(points->GetNumberOfPoints()) *
+        (2 * (sizeof(bsv::Triple) + sizeof(Answer)) + (this->ComputeDerivatives ? 14 : 5) * sizeof(double) +
+          sizeof(int)),
+      std::to_string(points->GetNumberOfPoints()) + " points", "what is found at them");
     const bsv::VolumeLocator locator(input.volumes, run);
     const double tolerance = std::max(this->Tolerance, Rounding) * diagonal(locator, ranks);
 

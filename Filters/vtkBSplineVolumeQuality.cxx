@@ -441,6 +441,8 @@ int vtkBSplineVolumeQuality::RequestData(
       }
       total += input.isHere(b) ? static_cast<double>(blocks[b].count()) : 0.0;
     }
+    // A point, four numbers and the verdict.
+    bsv::requireMemory(total * (7 * sizeof(double) + 1), "the volume", "the measures of its spans");
 
     bsv::warn(this,
       bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), input.boundaryNames,

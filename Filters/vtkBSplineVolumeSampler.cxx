@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeSampler.h"
 
+#include "Base/MemoryCheck.h"
 #include "Data/BSplineVolumeData.h"
 #include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
-#include "Execution/MemoryCheck.h"
 #include "Volume/Sampling.h"
 #include "Volume/SpanClasses.h"
 #include "Volume/VolumeInterfaces.h"

@@ -810,6 +810,23 @@ int vtkBSplineVolumeSmoothness::RequestData(
     const bool all = this->AllOuterFaces || std::find(wall.begin(), wall.end(), true) == wall.end();
     bsv::SmoothnessOptions options;
     options.samplesPerSpan = this->SamplesPerSpan;
+    double samples = 0.0;
+    for (const bsv::Interface& contact : interfaces)
+    {
+      const bsv::BSplineVolume& volume = input.volumes[contact.blockA];
+      double product = input.isHere(contact.blockA) ? 1.0 : 0.0;
+      for (int axis = 0; axis < 2; ++axis)
+      {
+        const int d = bsv::faceAxis(contact.faceA, axis);
+        product *= static_cast<double>(this->SamplesPerSpan) *
+            static_cast<double>(bsv::nonEmptySpans(volume.degree[d], volume.knots[d]).size()) +
+          1.0;
+      }
+      samples += product;
+    }
+    // Measured and as arrays: a point, the jumps, a quadrilateral.
+    bsv::requireMemory(samples * (2 * (3 + bsv::JumpKinds) + 5) * sizeof(double),
+      "Samples Per Span " + std::to_string(this->SamplesPerSpan), "the samples");
     options.creaseAngle = this->CreaseAngle;
     options.gapTolerance = this->GapTolerance;
     options.tolerance = this->Tolerance;

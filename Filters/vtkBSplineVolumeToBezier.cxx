@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBSplineVolumeToBezier.h"
 
+#include "Base/MemoryCheck.h"
 #include "Data/BSplineVolumeData.h"
 #include "Data/BoundarySelection.h"
 #include "Execution/FilterExecution.h"
-#include "Execution/MemoryCheck.h"
 #include "Volume/BezierExtraction.h"
 
 #include "vtkBezierHexahedron.h"

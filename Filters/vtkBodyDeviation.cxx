@@ -304,6 +304,18 @@ std::vector<Totals> wallSamples(const std::vector<WallFace>& faces, const bsv::B
     vtkIdType start;
     vtkIdType firstCell;
   };
+  double size = 0.0;
+  for (const WallFace& face : faces)
+  {
+    if (input.isHere(face.block))
+    {
+      const bsv::Ijk counts = bsv::sampleCounts(input.volumes[face.block], level, input.label(face.block));
+      size += static_cast<double>(counts[face.axes[0]]) * counts[face.axes[1]];
+    }
+  }
+  // Five triples, distance and angle, the block and a quadrilateral.
+  constexpr double BytesPerSample = 5 * 24 + 2 * 8 + 4 + 5 * 8;
+  bsv::requireMemory(BytesPerSample * size, "Level " + std::to_string(level), "the samples");
   std::vector<Grid> grids;
   vtkIdType count = 0;
   vtkNew<vtkCellArray> quads;
@@ -316,7 +328,6 @@ std::vector<Totals> wallSamples(const std::vector<WallFace>& faces, const bsv::B
     }
     Grid grid;
     grid.face = f;
-    bsv::sampleCounts(input.volumes[face.block], level, input.label(face.block));
     for (int d = 0; d < 2; ++d)
     {
       grid.parameters[d] = bsv::sampleParameters(input.volumes[face.block], face.axes[d], level);

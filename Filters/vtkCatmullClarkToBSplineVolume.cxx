@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkCatmullClarkToBSplineVolume.h"
 
+#include "Base/MemoryCheck.h"
 #include "Body/BodyEdges.h"
 #include "Complex/BlockComplex.h"
 #include "Complex/CreaseEdges.h"
@@ -12,7 +13,6 @@
 #include "Data/NURBSSurfaceData.h"
 #include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
-#include "Execution/MemoryCheck.h"
 #include "Ranks/Ranks.h"
 #include "Wall/BodyDistance.h"
 #include "Wall/BodyFit.h"

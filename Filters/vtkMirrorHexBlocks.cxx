@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkMirrorHexBlocks.h"
 
+#include "Base/MemoryCheck.h"
 #include "Data/BlockTags.h"
 #include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
-#include "Execution/MemoryCheck.h"
 #include "Mesh/BlockSurface.h"
 #include "Mesh/MeshCheck.h"
 #include "Ranks/Ranks.h"

@@ -15,7 +15,6 @@
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPolyData.h"
 #include "vtkStructuredGrid.h"
-#include "vtksys/SystemInformation.hxx"
 
 #include <algorithm>
 #include <sstream>
@@ -156,16 +155,8 @@ int vtkWingFuselageSource::RequestData(vtkInformation*, vtkInformationVector**, 
       const bsv::Ijk& counts = layout.counts[b];
       points += owners[b] == piece.number ? bsv::Index(counts[0]) * counts[1] * counts[2] : 0;
     }
-    vtksys::SystemInformation machine;
-    const double gigabytes = static_cast<double>(points) * 3 * sizeof(double) / 1e9;
-    const double present = static_cast<double>(machine.GetHostMemoryTotal()) * 1024 / 1e9;
-    if (gigabytes > present)
-    {
-      std::ostringstream text;
-      text << "Resolution " << this->Resolution << " needs " << gigabytes << " GB for the points; this machine has "
-           << present << " GB";
-      throw bsv::Error(text.str());
-    }
+    bsv::requireMemory(
+      static_cast<double>(points) * 3 * sizeof(double), "Resolution " + std::to_string(this->Resolution), "the points");
 
     patches = bsv::wingFuselageBody(options.shape);
     for (std::size_t b = 0; b < owners.size(); ++b)

@@ -12,6 +12,7 @@
 #include "vtksys/SystemTools.hxx"
 
 #include <cstdlib>
+#include <exception>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -230,7 +231,7 @@ int vtkFileSeriesSource::RequestInformation(vtkInformation*, vtkInformationVecto
       info->Set(Pipeline::TIME_RANGE(), range, 2);
     }
   }
-  catch (const bsv::Error&)
+  catch (const std::exception&)
   {
     // RequestData() says it.
   }

@@ -49,7 +49,9 @@ int vtkQuadflowReader::RequestData(vtkInformation*, vtkInformationVector**, vtkI
     const Step step = this->RequestedStep(outputVector);
     fileName = step.file;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
+    bsv::MemoryDemand demand(fileName, "its control points");
     const bsv::QuadflowStorage storage = [&](int block, const std::array<int, 3>& counts) {
+      demand.add(24.0 * counts[0] * counts[1] * counts[2]);
       double* points = nullptr;
       grids.resize(block);
       grids.push_back(bsv::blockGrid(counts, points));

@@ -712,6 +712,10 @@ BlockMesh blocksOfLeaves(const std::vector<Leaf>& leaves, vtkFieldData* ownField
     mesh.blocks.push_back(std::move(block));
     grids.push_back(grid);
   }
+  // Of a block with its vertices, edges and faces.
+  constexpr double BytesPerBlock = 2300.0;
+  requireMemory(BytesPerBlock * static_cast<double>(mesh.blocks.size()), std::to_string(mesh.blocks.size()) + " blocks",
+    "their topology");
   ranks.nextStep();
 
   if (!arraysFitBlocks(ownFields, mesh, grids, ranks))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/HexMeshData.h"
 
+#include "Base/MemoryCheck.h"
 #include "Base/ProgressPart.h"
 #include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
@@ -798,6 +799,10 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
   {
     collector.add(surfaces, true);
   }
+  // Neighbours, numbers, and in the blocks points and the numbers that they and the cells had.
+  constexpr double BytesPerCell = 100.0;
+  requireMemory(BytesPerCell * static_cast<double>(mesh.cellCount()), std::to_string(mesh.cellCount()) + " hexahedra",
+    "their blocks");
   collector.makePoints();
   run.report(0.1);
   const bool several = ranks.size() > 1;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Execution/ChildProcess.h"
 
+#include "Base/MemoryCheck.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -165,21 +167,6 @@ int aboveStandard(int descriptor)
   return high;
 }
 
-/// Free memory of the machine and room of the address space for libraries.
-double freeBytes()
-{
-  std::ifstream stream("/proc/meminfo");
-  for (std::string word; stream >> word;)
-  {
-    double kilobytes = 0.0;
-    if (word == "MemAvailable:" && stream >> kilobytes)
-    {
-      return 1024.0 * kilobytes;
-    }
-  }
-  return 0.0;
-}
-
 double processorSeconds(pid_t child)
 {
   clockid_t clock;
@@ -293,7 +280,7 @@ public:
     };
     // Libraries take address space, but hardly memory.
     constexpr double Libraries = 2e9;
-    set(RLIMIT_AS, limits.bytes > 0.0 ? limits.bytes : freeBytes() > 0.0 ? freeBytes() + Libraries : 0.0);
+    set(RLIMIT_AS, limits.bytes > 0.0 ? limits.bytes : freeMemory() + Libraries);
     set(RLIMIT_CPU, std::max(1.0, limits.processorSeconds));
     rlimit none{};
     prlimit(this->Id, RLIMIT_CORE, &none, nullptr);

@@ -4,10 +4,10 @@
 /// ranks through VTK's global controller.
 #pragma once
 
+#include "Base/MemoryCheck.h"
 #include "Base/Types.h"
 #include "Base/UTF8.h"
 #include "Execution/ControllerRanks.h"
-#include "Execution/MemoryCheck.h"
 #include "Execution/Parameters.h"
 #include "Execution/ReportPace.h"
 #include "Ranks/Ranks.h"

@@ -2,6 +2,7 @@
 #include "Formats/CGNSZones.h"
 
 #include "Base/UTF8.h"
+#include "Base/MemoryCheck.h"
 #include "Formats/CGNSTree.h"
 #include "Formats/DeclaredConnectivity.h"
 #include "Formats/ReaderJobs.h"
@@ -853,6 +854,7 @@ private:
     const int grid = this->gridOfStep();
     try
     {
+      this->Demand.add(static_cast<double>(block.size()) * (isFloat ? 12.0 : 24.0));
       block.allocate(isFloat, this->Memory);
       isFloat ? this->readCoordinates(block, grid, block.floats.get(), CGNS_ENUMV(RealSingle))
               : this->readCoordinates(block, grid, block.doubles.get(), CGNS_ENUMV(RealDouble));
@@ -1540,6 +1542,7 @@ private:
   const Execution& Run;
   const Piece Part;
   const BlockMemory& Memory;
+  MemoryDemand Demand{ this->FileName, "its points" };
   const int Step;
   int File = 0;
   bool IsOpen = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plot3DFile.h"
 
+#include "Base/MemoryCheck.h"
 #include "Formats/Encodings.h"
 
 #include <Eigen/Geometry>
@@ -1485,12 +1486,17 @@ std::vector<GridBlock> readPlot3D(
   }
   const std::vector<int> owners = piece.owners(layout.counts);
   std::vector<GridBlock> blocks(layout.counts.size());
+  double points = 0.0;
   for (std::size_t b = 0; b < blocks.size(); ++b)
   {
     blocks[b].name = blockName(b);
     blocks[b].counts = layout.counts[b];
     blocks[b].piece = owners[b];
+    points += owners[b] == piece.number ? static_cast<double>(blocks[b].size()) : 0.0;
   }
+  requireMemory(
+    points * ((layout.realType == RealType::Float ? 12.0 : 24.0) + (layout.iblank == IBlank::Present ? 4.0 : 0.0)),
+    fileName, "its points");
   try
   {
     layout.format == Plot3DFormat::Ascii ? readAscii(file, layout, blocks, piece, run)

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/TextScanner.h"
 
+#include "Base/MemoryCheck.h"
 #include "IO/RegularFile.h"
 
+#include <filesystem>
 #include <fstream>
 #include <vector>
 
@@ -17,6 +19,9 @@ std::string readTextFile(const std::string& fileName, std::size_t most, const Ex
   {
     throw Error(fileName + ": cannot be opened");
   }
+  std::error_code failure;
+  const double size = static_cast<double>(std::filesystem::file_size(fileName, failure));
+  requireMemory(failure ? 0.0 : std::min(size, static_cast<double>(most)), fileName, "its text");
   std::string text;
   std::vector<char> part(std::size_t(1) << 20);
   while (stream && text.size() < most)

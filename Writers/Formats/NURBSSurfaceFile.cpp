@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/NURBSSurfaceFile.h"
 
+#include "Base/MemoryCheck.h"
 #include "Formats/CADOutput.h"
 #include "IO/AtomicFile.h"
 
@@ -62,6 +63,13 @@ void writeNURBSSurfaceFile(const SurfacesToWrite& surfaces, const std::string& f
   {
     throw Error("File Name '" + fileName + "': the extension must be step, stp, iges, igs or g2");
   }
+  double points = 0.0;
+  for (const BodyPatch& patch : surfaces.patches)
+  {
+    points += static_cast<double>(patch.surface.points.size());
+  }
+  // Four numbers of up to 24 characters, as the library's and as ours.
+  requireMemory(points * 2 * 4 * 24, "the patches", "their text");
   AtomicFile file(fileName);
   if (extension == ".g2")
   {

@@ -3,6 +3,7 @@
 #include "Support/Algorithms.h"
 #include "Support/MeshFiles.h"
 
+#include "Base/MemoryCheck.h"
 #include "Execution/ReportPace.h"
 
 #include <vtkErrorCode.h>
@@ -167,6 +168,36 @@ TEST_F(EveryAlgorithm, PointsThatAreNotFiniteAreRefusedWithTheirPlace)
     }
   }
   std::cout << refused << " refusals\n";
+}
+
+TEST_F(EveryAlgorithm, WhatDoesNotFitIsRefusedBeforeItIsAllocated)
+{
+  std::vector<Inputs::Case> cases = filtersAndReaders();
+  for (const Inputs::Case& writer : All->writers())
+  {
+    cases.push_back(writer);
+  }
+  for (const Inputs::Case& which : cases)
+  {
+    // Another process, which has other memory, reads and asks.
+    if (which.name == "reader of mesh.cgns")
+    {
+      continue;
+    }
+    const vtkSmartPointer<vtkAlgorithm> algorithm = which.make();
+    // Less than any output here.
+    bsv::pretendedFreeMemory() = 1000.0;
+    const std::vector<std::string> messages = errors(algorithms::run(algorithm));
+    bsv::pretendedFreeMemory() = HUGE_VAL;
+    EXPECT_EQ(messages.size(), 1u) << which.name;
+    if (messages.size() != 1)
+    {
+      continue;
+    }
+    EXPECT_NE(messages[0].find(" needs "), std::string::npos) << which.name << ": " << messages[0];
+    EXPECT_NE(messages[0].find(" GB are free"), std::string::npos) << which.name << ": " << messages[0];
+    EXPECT_EQ(algorithms::sizeOfOutputs(algorithm), 0) << which.name;
+  }
 }
 
 /// Counts ranges of loops in place of seconds, one thread doing all.

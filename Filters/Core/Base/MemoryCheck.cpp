@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Execution/MemoryCheck.h"
-
-#include <vtksys/SystemInformation.hxx>
+#include "Base/MemoryCheck.h"
 
 #include <algorithm>
 #include <fstream>
@@ -111,14 +109,24 @@ double leftOfAddressSpace()
 
 } // namespace
 
+double& pretendedFreeMemory()
+{
+  static double bytes = Unlimited;
+  return bytes;
+}
+
 double freeMemory()
 {
   double machine = numberBehind("/proc/meminfo", "MemAvailable:", -1.0) * 1024.0;
   if (machine < 0.0)
   {
-    machine = static_cast<double>(vtksys::SystemInformation().GetHostMemoryTotal()) * 1024.0;
+#ifdef __unix__
+    machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+#else
+    machine = Unlimited;
+#endif
   }
-  return std::min({ machine, leftByControlGroups(), leftOfAddressSpace() });
+  return std::min({ machine, leftByControlGroups(), leftOfAddressSpace(), pretendedFreeMemory() });
 }
 
 void requireMemory(double bytes, const std::string& request, const std::string& content)
