@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/CGNSZones.h"
 
-#include "Base/UTF8.h"
 #include "Base/MemoryCheck.h"
+#include "Base/UTF8.h"
 #include "Formats/CGNSTree.h"
 #include "Formats/DeclaredConnectivity.h"
 #include "Formats/ReaderJobs.h"
