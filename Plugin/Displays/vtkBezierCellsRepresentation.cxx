@@ -2,14 +2,18 @@
 #include "vtkBezierCellsRepresentation.h"
 
 #include "Execution/FilterExecution.h"
+#include "bezierQuads.h"
+#include "sourceIds.h"
 
-#include "vtkDataSet.h"
+#include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
 #include "vtkPVGeometryFilter.h"
+#include "vtkSmartPointer.h"
+#include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
-#include <numeric>
+#include <string>
 
 namespace
 {
@@ -36,24 +40,52 @@ protected:
 
   int RequestData(vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override
   {
-    auto* input = vtkDataSet::GetData(inputs[0]);
+    vtkSmartPointer<vtkDataObject> input = vtkDataObject::GetData(inputs[0]);
+    auto* grid = vtkUnstructuredGrid::SafeDownCast(input);
     // All ranks subdivide alike, or cracks would open between their cells.
-    std::vector<bsv::Index> counts;
+    bsv::Index cells = 0, others = 0;
+    int degree = 1;
+    vtkSmartPointer<vtkPolyData> drawn;
     try
     {
-      const std::shared_ptr<const bsv::Ranks> ranks = bsv::globalRanks();
-      ranks->together(
-        [&] { counts = ranks->gatherAll(std::vector<bsv::Index>{ input ? input->GetNumberOfCells() : 0 }); });
+      const bsv::Execution run = bsv::filterExecution(this);
+      run.ranks->together([&] {
+        const bsv::Index count = grid ? grid->GetNumberOfCells() : 0;
+        const bsv::BezierKinds mine = grid ? bsv::bezierKinds(grid) : bsv::BezierKinds();
+        for (const std::vector<bsv::Index>& rank :
+          run.ranks->gather(std::vector<bsv::Index>{ count, mine.others, bsv::Index(mine.degree) }))
+        {
+          cells += rank[0];
+          others += rank[1];
+          degree = std::max(degree, static_cast<int>(rank[2]));
+        }
+      });
+      const int most = !this->BySize || cells <= 3000 ? this->Level : cells <= 20000 ? 1 : 0;
+      const int level = std::min(this->Level, most);
+      this->Superclass::SetNonlinearSubdivisionLevel(level);
+      if (grid && others == 0 && !this->UseOutline)
+      {
+        drawn = bsv::bezierQuads(grid, level == 0 ? 1 : degree << (level - 1), run);
+      }
     }
     catch (const bsv::Error& error)
     {
       vtkErrorMacro(<< error.what());
       return 0;
     }
-    const bsv::Index cells = std::accumulate(counts.begin(), counts.end(), bsv::Index(0));
-    const int most = !this->BySize || cells <= 3000 ? this->Level : cells <= 20000 ? 1 : 0;
-    this->Superclass::SetNonlinearSubdivisionLevel(std::min(this->Level, most));
-    return this->Superclass::RequestData(request, inputs, outputs);
+    if (!drawn)
+    {
+      return this->Superclass::RequestData(request, inputs, outputs);
+    }
+    vtkInformation* info = inputs[0]->GetInformationObject(0);
+    info->Set(vtkDataObject::DATA_OBJECT(), drawn);
+    const int result = this->Superclass::RequestData(request, inputs, outputs);
+    info->Set(vtkDataObject::DATA_OBJECT(), input);
+    if (auto* output = vtkPolyData::GetData(outputs))
+    {
+      bsv::selectBySources(output);
+    }
+    return result;
   }
 
 private:
@@ -71,6 +103,7 @@ vtkBezierCellsRepresentation::vtkBezierCellsRepresentation()
   this->GeometryFilter->Delete();
   this->GeometryFilter = LevelledGeometry::New();
   this->SetupDefaults();
+  this->SetNormalArray(nullptr);
 }
 
 //------------------------------------------------------------------------------
@@ -83,6 +116,13 @@ void vtkBezierCellsRepresentation::SetLevelBySize(bool on)
     geometry->Modified();
     this->MarkModified();
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkBezierCellsRepresentation::SetNormalArray(const char* name)
+{
+  // The active normals are lost on the way to the mapper.
+  this->Superclass::SetNormalArray(name && *name && std::string(name) != "None" ? name : "Normals");
 }
 
 //------------------------------------------------------------------------------

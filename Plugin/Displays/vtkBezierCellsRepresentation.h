@@ -3,8 +3,9 @@
  * @class   vtkBezierCellsRepresentation
  * @brief   curved cells, drawn the more coarsely the more there are
  *
- * The time to draw nonlinear cells is that of their subdivision, four times as long per level. With LevelBySize the
- * display's nonlinear subdivision level is lowered to 1 above 3000 cells and to 0 above 20000, on all ranks alike.
+ * Bezier quadrilaterals are cut into degree 2^(level - 1) parts per direction, or one at level 0, with exact normals;
+ * other curved cells by VTK's own subdivision. With LevelBySize the display's nonlinear subdivision level is lowered to
+ * 1 above 3000 cells and to 0 above 20000, on all ranks alike.
  *
  * Offered as the representation "Bezier Cells".
  */
@@ -25,6 +26,11 @@ public:
    * Whether many cells lower the level. Default: on.
    */
   void SetLevelBySize(bool on);
+
+  /**
+   * Normals for the light. "None" (default): the exact ones of Bezier quadrilaterals.
+   */
+  void SetNormalArray(const char* name) override;
 
 protected:
   vtkBezierCellsRepresentation();

@@ -3,6 +3,7 @@
 
 #include "Execution/FilterExecution.h"
 #include "blockParts.h"
+#include "sourceIds.h"
 
 #include "vtkActor.h"
 #include "vtkCellArray.h"
@@ -105,18 +106,7 @@ private:
       return;
     }
     data->GetFieldData()->RemoveArray("vtkBlockColors");
-    const auto rename = [](vtkDataSetAttributes* attributes, const char* from, const char* to) {
-      if (vtkAbstractArray* array = attributes->GetAbstractArray(from))
-      {
-        auto named = vtkSmartPointer<vtkAbstractArray>::Take(array->NewInstance());
-        named->DeepCopy(array);
-        named->SetName(to);
-        attributes->RemoveArray(from);
-        attributes->AddArray(named);
-      }
-    };
-    rename(data->GetPointData(), "SourcePoint", "vtkOriginalPointIds");
-    rename(data->GetCellData(), "SourceCell", "vtkOriginalCellIds");
+    bsv::selectBySources(data);
   }
 };
 vtkStandardNewMacro(PartsGeometry);
@@ -154,6 +144,8 @@ struct vtkBlockPartsRepresentation::Internals
   bool ShowLegend = true;
   bool ShowWallNet = false;
   bool ReflectionLines = false;
+  /// Of the user, or empty.
+  std::string NormalArray;
   int NumberOfReflectionLines = 24;
   /// Of the data that is drawn.
   bool IsVolume = true;
@@ -328,6 +320,7 @@ void vtkBlockPartsRepresentation::SetReflectionLines(bool on)
   if (this->Internal->ReflectionLines != on)
   {
     this->Internal->ReflectionLines = on;
+    this->UpdateNormals();
     this->UpdateReflectionLines();
   }
 }
@@ -370,6 +363,24 @@ void vtkBlockPartsRepresentation::UpdateReflectionLines()
       true);
   }
   this->MarkModified();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockPartsRepresentation::SetNormalArray(const char* name)
+{
+  this->Internal->NormalArray = name && std::string(name) != "None" ? name : "";
+  this->UpdateNormals();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockPartsRepresentation::UpdateNormals()
+{
+  // The active normals are lost on the way to the mapper. A mesh is faceted unless stripes shall be seen on it.
+  const Internals& internal = *this->Internal;
+  const bool smooth = internal.IsVolume || internal.ReflectionLines;
+  this->Superclass::SetNormalArray(!internal.NormalArray.empty() ? internal.NormalArray.c_str()
+      : smooth                                                   ? "Normals"
+                                                                 : "None");
 }
 
 //------------------------------------------------------------------------------
@@ -521,6 +532,7 @@ int vtkBlockPartsRepresentation::ProcessViewRequest(
         internal.IsVolume = isVolume->GetTuple1(0) != 0.0;
       }
       this->UpdateLegend();
+      this->UpdateNormals();
       this->UpdateColoringParameters();
     }
   }

@@ -71,6 +71,11 @@ public:
   int ProcessViewRequest(vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo) override;
   void SetVisibility(bool visible) override;
 
+  /**
+   * Normals for the light. "None" (default): of volumes and under reflection lines the exact ones, else facets.
+   */
+  void SetNormalArray(const char* name) override;
+
 protected:
   vtkBlockPartsRepresentation();
   ~vtkBlockPartsRepresentation() override;
@@ -85,6 +90,7 @@ private:
 
   void SetPart(bool& part, bool on);
   void UpdateReflectionLines();
+  void UpdateNormals();
   void UpdateLegend();
   /// Keeps its size in pixels, at the upper right.
   void PlaceLegend();

@@ -2,6 +2,7 @@
 #include "vtkJoinsRepresentation.h"
 
 #include "Quality/JoinClass.h"
+#include "sourceIds.h"
 
 #include "vtkBoundingBox.h"
 #include "vtkCellArray.h"
@@ -199,18 +200,9 @@ protected:
     info->Set(vtkDataObject::DATA_OBJECT(), drawn);
     const int result = this->Superclass::RequestData(request, inputs, outputs);
     info->Set(vtkDataObject::DATA_OBJECT(), list);
-    // Selections are those of the list's cells.
     if (auto* output = vtkPolyData::GetData(outputs))
     {
-      vtkCellData* cells = output->GetCellData();
-      if (vtkAbstractArray* source = cells->GetAbstractArray("SourceCell"))
-      {
-        vtkNew<vtkIdTypeArray> named;
-        named->DeepCopy(source);
-        named->SetName("vtkOriginalCellIds");
-        cells->RemoveArray("SourceCell");
-        cells->AddArray(named);
-      }
+      bsv::selectBySources(output);
     }
     return result;
   }

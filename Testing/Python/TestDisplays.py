@@ -5,16 +5,19 @@ Arguments: the folder of the generated help.
 """
 import contextlib
 import json
+import math
 import os
+import random
 import sqlite3
 import sys
 import tempfile
 import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import simple, vtk, blocks, client, demo_mesh, names, update
+from bsv_support import simple, vtk, blocks, client, demo_mesh, names, producer, update
 from bsv_support import main as run_tests
 from paraview import servermanager
+from vtkmodules.vtkIOImage import vtkPNGReader
 import make_body_case
 import make_demo_mesh
 
@@ -106,9 +109,33 @@ def test_first_picture_is_the_wall():
         lengths.append(drawn_surface(display).GetLength())
     assert lengths[0] < lengths[1] < lengths[2], lengths
     display.WallLayer = 0
-    display.ReflectionLines = 1
+    # Reflection lines follow the exact normals: finer parts hardly move them.
+    display.ReflectionLines, display.NumberOfReflectionLines, display.ShowSymmetryNet = 1, 6, 0
     simple.Render(VIEW)
+    simple.ResetCamera(VIEW)
+    coarse, fine = [picture_of(display, Subdivision=parts) for parts in (2, 4)]
+    flat = picture_of(display, Subdivision=2, ReflectionLines=0)
+    assert share_that_differs(coarse, fine) < 0.3 * share_that_differs(coarse, flat)
+    display.ReflectionLines = 0
+    display.Subdivision, display.ShowSymmetryNet = 0, 1
     simple.Hide(volume, VIEW)
+
+
+def picture_of(display, **properties):
+    """The colours of the pixels."""
+    for name, value in properties.items():
+        setattr(display, name, value)
+    file = os.path.join(FOLDER.name, "picture.png")
+    simple.SaveScreenshot(file, VIEW, ImageResolution=[300, 300])
+    reader = vtkPNGReader()
+    reader.SetFileName(file)
+    reader.Update()
+    pixels = reader.GetOutput().GetPointData().GetScalars()
+    return [pixels.GetTuple(n) for n in range(pixels.GetNumberOfTuples())]
+
+
+def share_that_differs(colors, others):
+    return sum(max(abs(a - b) for a, b in zip(one, other)) > 64 for one, other in zip(colors, others)) / len(colors)
 
 
 def drawn_lines(display):
@@ -275,6 +302,57 @@ def test_bezier_cells():
     assert drawn_surface(display).GetNumberOfCells() == 4 * many
     # Other grids keep ParaView's default.
     assert simple.Show(simple.UnstructuredCellTypes(), VIEW).NonlinearSubdivisionLevel == 1
+
+
+def test_bezier_cells_are_drawn_as_they_are():
+    """Of degrees 2 and 3, with weights: places and normals are those of VTK's evaluation, arrays follow the shape."""
+    rng = random.Random(5)
+    degree, level = (2, 3), 2
+    grid, points = vtk.vtkUnstructuredGrid(), vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    arrays = [vtk.vtkDoubleArray() for _ in range(3)]
+    for array, name, components in zip(arrays, ("RationalWeights", "Place", "Degrees"), (1, 3, 3)):
+        array.SetName(name)
+        array.SetNumberOfComponents(components)
+    arrays[2].InsertNextTuple(degree + (0,))
+    nodes = {}
+    for b in range(degree[1] + 1):
+        for a in range(degree[0] + 1):
+            nodes[vtk.vtkBezierQuadrilateral.PointIndexFromIJK(a, b, degree + (0,))] = (a, b)
+    for n in range(len(nodes)):
+        place = [nodes[n][0] + rng.uniform(-.3, .3), nodes[n][1] + rng.uniform(-.3, .3), rng.uniform(0, 1)]
+        points.InsertNextPoint(place)
+        arrays[0].InsertNextTuple([rng.uniform(0.3, 2)])
+        arrays[1].InsertNextTuple(place)
+    grid.SetPoints(points)
+    grid.InsertNextCell(vtk.VTK_BEZIER_QUADRILATERAL, len(nodes), list(range(len(nodes))))
+    grid.GetPointData().SetRationalWeights(arrays[0])
+    grid.GetPointData().AddArray(arrays[1])
+    grid.GetCellData().SetHigherOrderDegrees(arrays[2])
+    display = simple.Show(producer(grid), VIEW, "BezierCellsRepresentation")
+    display.Representation, display.NonlinearSubdivisionLevel = "Bezier Cells", level
+    drawn = drawn_surface(display)
+    parts = max(degree) * 2 ** (level - 1)
+    assert drawn.GetNumberOfCells() == parts ** 2 and drawn.GetNumberOfPoints() == 4 * parts ** 2
+
+    def at(s, t):
+        x = [0.0] * 3
+        grid.GetCell(0).EvaluateLocation(vtk.mutable(0), (s, t, 0), x, [0.0] * len(nodes))
+        return x
+    data, step = drawn.GetPointData(), 1e-5
+    for quad in range(parts ** 2):
+        for n, (i, j) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1))):
+            point, s, t = 4 * quad + n, (quad % parts + i) / parts, (quad // parts + j) / parts
+            assert math.dist(drawn.GetPoint(point), at(s, t)) < 1e-6
+            assert math.dist(data.GetArray("Place").GetTuple(point), at(s, t)) < 1e-6
+            normal = [0.0] * 3
+            vtk.vtkMath.Cross(*([a - b for a, b in zip(at(s + ds, t + dt), at(s - ds, t - dt))]
+                                for ds, dt in ((step, 0), (0, step))), normal)
+            vtk.vtkMath.Normalize(normal)
+            assert math.dist(data.GetArray("Normals").GetTuple(point), normal) < 1e-4
+            # The edges of the cell, not those of its parts.
+            border = ((n == 0 and t == 0) or (n == 1 and s == 1) or (n == 2 and t == 1) or (n == 3 and s == 0))
+            assert data.GetArray("vtkEdgeFlags").GetTuple1(point) == border
 
 
 def test_topology():
