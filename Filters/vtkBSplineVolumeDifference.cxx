@@ -400,8 +400,13 @@ void vtkBSplineVolumeDifference::SetBeforeConnection(vtkAlgorithmOutput* output)
 }
 
 //------------------------------------------------------------------------------
-int vtkBSplineVolumeDifference::FillInputPortInformation(int, vtkInformation* info)
+int vtkBSplineVolumeDifference::FillInputPortInformation(int port, vtkInformation* info)
 {
+  if (port == 1)
+  {
+    // Missed with one message of ours.
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   return 1;
@@ -440,7 +445,12 @@ int vtkBSplineVolumeDifference::RequestData(
     const bsv::Ranks& ranks = *run.ranks;
     vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
     const bsv::BSplineVolumeBlocks after = bsv::bsplineVolumeBlocks(input, ranks);
-    const bsv::BSplineVolumeBlocks before = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[1], 0), ranks);
+    vtkDataObject* other = vtkDataObject::GetData(inputVector[1], 0);
+    if (ranks.any(!other))
+    {
+      throw bsv::Error("Before: choose the B-spline volume to compare with");
+    }
+    const bsv::BSplineVolumeBlocks before = bsv::bsplineVolumeBlocks(other, ranks);
     checkAlike(after, before);
     if (after.volumes.empty())
     {

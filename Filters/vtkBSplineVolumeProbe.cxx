@@ -15,6 +15,7 @@
 #include "vtkIntArray.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+#include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <Eigen/LU>
@@ -87,6 +88,7 @@ void vtkBSplineVolumeProbe::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ComputeDerivatives: " << (this->ComputeDerivatives ? "On" : "Off") << "\n";
   os << indent << "NumberOfPoints: " << this->NumberOfPoints << "\n";
   os << indent << "NumberOfPointsInside: " << this->NumberOfPointsInside << "\n";
+  os << indent << "Report: " << this->Report << "\n";
 }
 
 //------------------------------------------------------------------------------
@@ -95,6 +97,8 @@ int vtkBSplineVolumeProbe::FillInputPortInformation(int port, vtkInformation* in
   if (port == 1)
   {
     info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
+    // Missed with one message of ours.
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
     return 1;
   }
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
@@ -108,12 +112,13 @@ int vtkBSplineVolumeProbe::RequestDataObject(
 {
   vtkDataSet* points = vtkDataSet::GetData(inputVector[1], 0);
   vtkDataSet* output = vtkDataSet::GetData(outputVector, 0);
-  if (points && (!output || !output->IsA(points->GetClassName())))
+  if (!output || (points && !output->IsA(points->GetClassName())))
   {
-    const auto made = vtkSmartPointer<vtkDataSet>::Take(points->NewInstance());
+    const auto made = points ? vtkSmartPointer<vtkDataSet>::Take(points->NewInstance())
+                             : vtkSmartPointer<vtkDataSet>(vtkSmartPointer<vtkPolyData>::New());
     outputVector->GetInformationObject(0)->Set(vtkDataObject::DATA_OBJECT(), made);
   }
-  return points ? 1 : 0;
+  return 1;
 }
 
 //------------------------------------------------------------------------------
@@ -121,11 +126,13 @@ int vtkBSplineVolumeProbe::RequestInformation(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   // Extents and pieces are those of the points.
-  vtkInformation* points = inputVector[1]->GetInformationObject(0);
-  vtkInformation* output = outputVector->GetInformationObject(0);
-  output->CopyEntry(points, vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
-  output->CopyEntry(points, vtkDataObject::ORIGIN());
-  output->CopyEntry(points, vtkDataObject::SPACING());
+  if (vtkInformation* points = inputVector[1]->GetInformationObject(0))
+  {
+    vtkInformation* output = outputVector->GetInformationObject(0);
+    output->CopyEntry(points, vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
+    output->CopyEntry(points, vtkDataObject::ORIGIN());
+    output->CopyEntry(points, vtkDataObject::SPACING());
+  }
   return 1;
 }
 
@@ -136,12 +143,16 @@ int vtkBSplineVolumeProbe::RequestUpdateExtent(
   // Of the volume this rank's piece; of the points what is asked of the output.
   vtkInformation* output = outputVector->GetInformationObject(0);
   vtkInformation* points = inputVector[1]->GetInformationObject(0);
-  if (output->Has(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT()))
+  if (points && output->Has(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT()))
   {
     points->CopyEntry(output, vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT());
   }
   for (vtkInformation* input : { points, inputVector[0]->GetInformationObject(0) })
   {
+    if (!input)
+    {
+      continue;
+    }
     input->CopyEntry(output, vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER());
     input->CopyEntry(output, vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES());
     input->CopyEntry(output, vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS());
@@ -160,13 +171,14 @@ int vtkBSplineVolumeProbe::RequestData(
     return 0;
   }
   this->NumberOfPoints = this->NumberOfPointsInside = 0;
+  this->Report.clear();
   return bsv::execute(this, [&] {
     const bsv::Execution run = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *run.ranks;
     vtkDataSet* points = vtkDataSet::GetData(inputVector[1], 0);
     if (ranks.any(!points))
     {
-      throw bsv::Error("Points: no points to probe are connected");
+      throw bsv::Error("Points: choose a data set whose points are to be found, such as the source Line");
     }
     bsv::requireFinitePoints(points, "Points", run);
     ranks.nextStep();
@@ -261,5 +273,8 @@ int vtkBSplineVolumeProbe::RequestData(
       this->NumberOfPoints += part[0];
       this->NumberOfPointsInside += part[1];
     }
+    const vtkIdType outside = this->NumberOfPoints - this->NumberOfPointsInside;
+    this->Report = std::to_string(this->NumberOfPointsInside) + " of " + std::to_string(this->NumberOfPoints) +
+      " points lie in the volume" + (outside > 0 ? "\nBlockId of the others is -1" : "");
   });
 }

@@ -23,6 +23,8 @@
 #include "BSplineVolumeFiltersModule.h" // For export macro
 #include "vtkDataSetAlgorithm.h"
 
+#include <string> // For the report
+
 class BSPLINEVOLUMEFILTERS_EXPORT vtkBSplineVolumeProbe : public vtkDataSetAlgorithm
 {
 public:
@@ -59,6 +61,7 @@ public:
    */
   vtkGetMacro(NumberOfPoints, vtkIdType);
   vtkGetMacro(NumberOfPointsInside, vtkIdType);
+  const char* GetReport() const { return this->Report.c_str(); }
   ///@}
 
 protected:
@@ -79,6 +82,7 @@ private:
   vtkTypeBool ComputeDerivatives = 0;
   vtkIdType NumberOfPoints = 0;
   vtkIdType NumberOfPointsInside = 0;
+  std::string Report;
 };
 
 #endif

@@ -28,7 +28,6 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkPolyDataNormals.h"
 #include "vtkStringArray.h"
 #include "vtkStructuredGrid.h"
 #include "vtkUnsignedCharArray.h"
@@ -362,7 +361,7 @@ public:
   }
 
   /// @param grid whose arrays are taken along
-  vtkSmartPointer<vtkPolyData> build(vtkStructuredGrid* grid)
+  vtkSmartPointer<vtkPolyData> build(vtkStructuredGrid* grid, bool normals)
   {
     auto data = vtkSmartPointer<vtkPolyData>::New();
     data->SetPoints(this->Points);
@@ -382,7 +381,10 @@ public:
     };
     takeAlong(grid->GetPointData(), this->SourcePoint, data->GetPointData());
     takeAlong(grid->GetCellData(), this->SourceCell, data->GetCellData());
-    data->GetPointData()->SetNormals(this->Normals);
+    if (normals)
+    {
+      data->GetPointData()->SetNormals(this->Normals);
+    }
     data->GetPointData()->AddArray(this->SourcePoint);
     if (this->Mean)
     {
@@ -972,7 +974,7 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
   }
   for (auto& [block, builder] : builders)
   {
-    surfaces[block] = builder.build(grids[block]);
+    surfaces[block] = builder.build(grids[block], options.meshNormals);
   }
   box = sharedBox(box, ranks);
   parts.surfaces = treeOf(input, grids, surfaces);
@@ -1126,7 +1128,7 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
   }
   for (auto& [block, builder] : builders)
   {
-    surfaces[block] = builder.build(volume.grids[block]);
+    surfaces[block] = builder.build(volume.grids[block], true);
   }
   box = sharedBox(box, ranks);
   parts.surfaces = treeOf(input, volume.grids, surfaces);
@@ -1214,11 +1216,10 @@ void complexParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptio
   }
   const bool named = ranks.any(!wall.empty());
   model.wallText = named ? "wall" : "outer faces";
-  vtkNew<vtkPolyData> surface;
+  vtkNew<vtkPolyData> chosen;
   Eigen::AlignedBox3d box;
   if (faces)
   {
-    vtkNew<vtkPolyData> chosen;
     chosen->SetPoints(faces->GetPoints());
     vtkNew<vtkCellArray> quads;
     vtkNew<vtkIdTypeArray> source;
@@ -1243,16 +1244,10 @@ void complexParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptio
     }
     chosen->SetPolys(quads);
     chosen->GetCellData()->AddArray(source);
-    vtkNew<vtkPolyDataNormals> normals;
-    normals->SetInputData(chosen);
-    normals->SplittingOff();
-    normals->ConsistencyOff();
-    normals->Update();
-    surface->ShallowCopy(normals->GetOutput());
   }
   box = sharedBox(box, ranks);
   parts.surfaces = withLeaves(vtkDataObjectTree::SafeDownCast(input), [&](vtkDataObject* leaf) {
-    return leaf == faces ? vtkSmartPointer<vtkPolyData>(surface) : vtkSmartPointer<vtkPolyData>::New();
+    return leaf == faces ? vtkSmartPointer<vtkPolyData>(chosen) : vtkSmartPointer<vtkPolyData>::New();
   });
 
   LineBuilder nets, curves;

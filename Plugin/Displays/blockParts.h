@@ -36,6 +36,8 @@ struct BlockPartsOptions
   bool blockEdges = false;
   bool extraordinaryCurves = true;
   bool creases = true;
+  /// Whether meshes, too, get normals, so that they seem smooth.
+  bool meshNormals = false;
   /// Parts per span of a volume, or 0: as many as keep the surface small.
   int subdivision = 0;
   /// Lines end at this distance from the wall, as a fraction of the diagonal of the wall's box; 0: they do not end.
@@ -45,9 +47,10 @@ struct BlockPartsOptions
 struct BlockParts
 {
   /// The surfaces: a tree like that of the input, the same on all ranks, with a vtkPolyData for every block that has
-  /// any. Point array `Normals` (exact for volumes), the point arrays of the input (of volumes those of the nearest
-  /// control point) and, of volumes, `MeanCurvature` and `GaussianCurvature`; cell array `Boundary`, an index into
-  /// BoundaryNames or -1. `SourcePoint` and `SourceCell` are the points and cells of the input's block.
+  /// any. Point arrays are those of the input (of volumes those of the nearest control point), `Normals` (of volumes,
+  /// exact, and with meshNormals of meshes) and, of volumes, `MeanCurvature` and `GaussianCurvature`; cell array
+  /// `Boundary`, an index into BoundaryNames or -1. `SourcePoint` and `SourceCell` are the points and cells of the
+  /// input's block.
   vtkSmartPointer<vtkDataObject> surfaces;
   /// Nets and edges of blocks, all in one colour.
   vtkSmartPointer<vtkPolyData> nets;

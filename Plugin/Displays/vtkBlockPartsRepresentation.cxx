@@ -144,8 +144,6 @@ struct vtkBlockPartsRepresentation::Internals
   bool ShowLegend = true;
   bool ShowWallNet = false;
   bool ReflectionLines = false;
-  /// Of the user, or empty.
-  std::string NormalArray;
   int NumberOfReflectionLines = 24;
   /// Of the data that is drawn.
   bool IsVolume = true;
@@ -165,6 +163,7 @@ vtkBlockPartsRepresentation::vtkBlockPartsRepresentation()
   this->Internal->Geometry = PartsGeometry::New();
   this->GeometryFilter = this->Internal->Geometry;
   this->SetupDefaults();
+  this->SetNormalArray(nullptr);
 
   Internals& internal = *this->Internal;
   internal.NetsMapper->ScalarVisibilityOff();
@@ -320,7 +319,7 @@ void vtkBlockPartsRepresentation::SetReflectionLines(bool on)
   if (this->Internal->ReflectionLines != on)
   {
     this->Internal->ReflectionLines = on;
-    this->UpdateNormals();
+    this->SetPart(this->Internal->Geometry->Options.meshNormals, on);
     this->UpdateReflectionLines();
   }
 }
@@ -368,19 +367,8 @@ void vtkBlockPartsRepresentation::UpdateReflectionLines()
 //------------------------------------------------------------------------------
 void vtkBlockPartsRepresentation::SetNormalArray(const char* name)
 {
-  this->Internal->NormalArray = name && std::string(name) != "None" ? name : "";
-  this->UpdateNormals();
-}
-
-//------------------------------------------------------------------------------
-void vtkBlockPartsRepresentation::UpdateNormals()
-{
-  // The active normals are lost on the way to the mapper. A mesh is faceted unless stripes shall be seen on it.
-  const Internals& internal = *this->Internal;
-  const bool smooth = internal.IsVolume || internal.ReflectionLines;
-  this->Superclass::SetNormalArray(!internal.NormalArray.empty() ? internal.NormalArray.c_str()
-      : smooth                                                   ? "Normals"
-                                                                 : "None");
+  // The active normals are lost on the way to the mapper.
+  this->Superclass::SetNormalArray(name && *name && std::string(name) != "None" ? name : "Normals");
 }
 
 //------------------------------------------------------------------------------
@@ -532,7 +520,6 @@ int vtkBlockPartsRepresentation::ProcessViewRequest(
         internal.IsVolume = isVolume->GetTuple1(0) != 0.0;
       }
       this->UpdateLegend();
-      this->UpdateNormals();
       this->UpdateColoringParameters();
     }
   }

@@ -72,7 +72,8 @@ public:
   void SetVisibility(bool visible) override;
 
   /**
-   * Normals for the light. "None" (default): of volumes and under reflection lines the exact ones, else facets.
+   * Normals for the light. "None" (default): of volumes the exact ones; a mesh has facets, unless there are reflection
+   * lines on it.
    */
   void SetNormalArray(const char* name) override;
 
@@ -90,7 +91,6 @@ private:
 
   void SetPart(bool& part, bool on);
   void UpdateReflectionLines();
-  void UpdateNormals();
   void UpdateLegend();
   /// Keeps its size in pixels, at the upper right.
   void PlaceLegend();

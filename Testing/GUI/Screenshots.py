@@ -154,6 +154,13 @@ def panels_of(folder, plugin):
         # Events "check" fail if the property has another value.
         return [(SCROLL_BAR, "check visible", "false"), (name, "snap", "")]
 
+    def saved(place, name, extension, kind=None):
+        """The options with which File > Save Data writes. @param kind row of our writer, where others have the extension"""
+        settings = "pqClientMainWindow/WriterSettingsDialog/"
+        return selected(place) + menu("menu_File", "actionFileSaveData") + [
+            ("pqClientMainWindow/FileSaveDialog", "filesSelected", file("saved." + extension)),
+            (name, "snap", ""), (settings + "widget/OKButton", "activate", "")]
+
     def filters(place, names):
         return [event for name in names for event in selected(place) + filtered(name) + shown(name)]
     return [
@@ -162,12 +169,15 @@ def panels_of(folder, plugin):
         converted + shown("CatmullClarkToBSplineVolume") +
         filters("/0/2|0", ["BSplineVolumeQuality", "BSplineVolumeSmoothness", "BodyDeviation", "BSplineVolumeSampler",
                            "BSplineVolumeToBezierCells", "BSplineVolumeIsoparametric"]) +
-        again("/0/0|0") + own_menu("bsvCompare") + shown("BSplineVolumeDifference"),
+        again("/0/0|0") + own_menu("bsvCompare") + shown("BSplineVolumeDifference") +
+        selected("/0/2|0") + chosen_filter("BSplineVolumeProbe") + shown("BSplineVolumeProbe"),
         source("WingFuselageSource") + shown("WingFuselageSource") +
         opened(file("ellipsoid.igs")) + shown("NURBSSurfaceReader") +
         opened(file("volume.mesh")) + shown("BSplineVolumeReader") +
         opened(file("volume.qfmb")) + shown("QuadflowReader") +
         opened(file("hexahedra.vtu")) + filtered("HexMeshToBlocks") + shown("HexMeshToBlocks"),
+        converted + saved("/0/0|0", "HexBlockMeshWriter", "xyz") + saved("/0/1|0", "NURBSSurfaceWriter", "step") +
+        saved("/0/2|0", "BSplineVolumeWriter", "msh") + saved("/0/2|0", "QuadflowWriter", "qfmb"),
     ]
 
 

@@ -56,6 +56,7 @@ def test_points_outside():
     assert client(probe).GetNumberOfPointsInside() == 0
     data = client(probe).GetOutputDataObject(0).GetPointData()
     assert values(data.GetArray("BlockId")) == [-1] * 4 and not data.HasArray("dXdU")
+    assert client(probe).GetReport().startswith("0 of 4 points")
 
 
 def test_surfaces_and_curves():
@@ -81,6 +82,9 @@ def test_surfaces_and_curves():
 def test_errors():
     iso = simple.BSplineVolumeIsoparametric(Input=VOLUME, Positions=[0.5, 1.5])
     assert "1.5 is not between 0 and 1" in failure(iso)
+    # What is missing is named, not a port of the pipeline.
+    assert "Points: choose" in failure(simple.BSplineVolumeProbe(Input=VOLUME))
+    assert "Before: choose" in failure(simple.BSplineVolumeDifference(Input=VOLUME))
 
 
 if __name__ == "__main__":
