@@ -5,7 +5,7 @@
     pvpython Testing/GUI/Screenshots.py paraview build/lib/BSplineVolume docs/gui --panels
 
 The second one makes panels.png, the panels of all sources, readers and filters side by side, 400 pixels wide each, and
-fails if one of them has a horizontal scroll bar.
+fails if one of them has a horizontal scroll bar; and writers.png, the windows in which the writers ask how to write.
 
 Needs Xvfb, whose picture of the screen it reads. Pictures of real meshes are made only with --data, the folder that has
 them. Look at every picture: the question is what one sees in three seconds.
@@ -33,6 +33,8 @@ BROWSER = "pqClientMainWindow/pipelineBrowserDock/pipelineBrowser"
 PANEL_WINDOW = 1500
 PANEL = (405, 900)
 STATUS_BAR = 40
+# A window that asks something comes in the middle: its rows, the lowest first, and columns.
+DIALOG = slice(595, 985), slice(500, 1082)
 SETTINGS = """[General]
 GeneralSettings.ShowWelcomeDialog=false
 
@@ -154,19 +156,21 @@ def panels_of(folder, plugin):
         # Events "check" fail if the property has another value.
         return [(SCROLL_BAR, "check visible", "false"), (name, "snap", "")]
 
-    def saved(place, name, extension, kind=None):
-        """The options with which File > Save Data writes. @param kind row of our writer, where others have the extension"""
-        settings = "pqClientMainWindow/WriterSettingsDialog/"
+    def saved(place, writer, extension):
+        """The window in which File > Save Data asks how to write."""
+        dialog = "pqClientMainWindow/WriterSettingsDialog/"
         return selected(place) + menu("menu_File", "actionFileSaveData") + [
             ("pqClientMainWindow/FileSaveDialog", "filesSelected", file("saved." + extension)),
-            (name, "snap", ""), (settings + "widget/OKButton", "activate", "")]
+            (writer, "snap", ""), (dialog + "widget/OKButton", "activate", "")]
 
     def filters(place, names):
         return [event for name in names for event in selected(place) + filtered(name) + shown(name)]
     return [
         opened(demo, 0) + shown("HexBlockMeshReader") +
         filters("/0/0|0", ["HexBlockTopology", "WallSpacing", "MirrorHexBlocks"]),
-        converted + shown("CatmullClarkToBSplineVolume") +
+        converted + saved("/0/0|0", "HexBlockMeshWriter", "xyz") + saved("/0/1|0", "NURBSSurfaceWriter", "step") +
+        saved("/0/2|0", "BSplineVolumeWriter", "msh") + saved("/0/2|0", "QuadflowWriter", "qfmb") +
+        selected("/0/2|0") + shown("CatmullClarkToBSplineVolume") +
         filters("/0/2|0", ["BSplineVolumeQuality", "BSplineVolumeSmoothness", "BodyDeviation", "BSplineVolumeSampler",
                            "BSplineVolumeToBezierCells", "BSplineVolumeIsoparametric"]) +
         again("/0/0|0") + own_menu("bsvCompare") + shown("BSplineVolumeDifference") +
@@ -176,8 +180,6 @@ def panels_of(folder, plugin):
         opened(file("volume.mesh")) + shown("BSplineVolumeReader") +
         opened(file("volume.qfmb")) + shown("QuadflowReader") +
         opened(file("hexahedra.vtu")) + filtered("HexMeshToBlocks") + shown("HexMeshToBlocks"),
-        converted + saved("/0/0|0", "HexBlockMeshWriter", "xyz") + saved("/0/1|0", "NURBSSurfaceWriter", "step") +
-        saved("/0/2|0", "BSplineVolumeWriter", "msh") + saved("/0/2|0", "QuadflowWriter", "qfmb"),
     ]
 
 
@@ -306,7 +308,7 @@ def main():
     server = subprocess.Popen(["Xvfb", display, "-screen", "0", "1600x%dx24" % height, "-noreset", "-fbdir", folder],
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     failed = []
-    panels = []
+    panels, dialogs = [], []
     try:
         time.sleep(2)
         for n, events in enumerate(recordings):
@@ -314,7 +316,9 @@ def main():
                              "recording%d" % n, events, folder, display, os.path.join(folder, "Xvfb_screen0"), height)
             failed += [event[0] for event in events if event[1] == "snap" and event[0] not in pictures]
             for name, pixels in pictures.items():
-                if arguments.panels:
+                if arguments.panels and name.endswith("Writer"):
+                    dialogs.append(pixels[DIALOG])
+                elif arguments.panels:
                     # The lowest rows come first.
                     panels.append(pixels[STATUS_BAR:STATUS_BAR + PANEL[1], :PANEL[0]])
                 else:
@@ -326,6 +330,7 @@ def main():
         shutil.rmtree(folder, ignore_errors=True)
     if panels:
         write_png(os.path.join(arguments.output, "panels.png"), contact_sheet(panels))
+        write_png(os.path.join(arguments.output, "writers.png"), contact_sheet(dialogs, 2))
     if failed:
         sys.exit("No picture of " + ", ".join(failed))
 

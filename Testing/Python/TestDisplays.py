@@ -25,8 +25,9 @@ PLUGIN = os.path.dirname(os.environ["BSV_PLUGIN"])
 SOURCES = ("HexBlockMeshReader", "NURBSSurfaceReader", "BSplineVolumeReader", "QuadflowReader", "WingFuselageSource")
 FILTERS = ("CatmullClarkToBSplineVolume", "HexBlockTopology", "BodyDeviation", "BSplineVolumeSampler",
            "BSplineVolumeSmoothness", "BSplineVolumeQuality", "BSplineVolumeToBezierCells", "WallSpacing",
-           "BSplineVolumeDifference")
-WRITERS = ("QuadflowWriter", "NURBSSurfaceWriter")
+           "BSplineVolumeDifference", "BSplineVolumeProbe", "BSplineVolumeIsoparametric", "MirrorHexBlocks",
+           "HexMeshToBlocks")
+WRITERS = ("QuadflowWriter", "NURBSSurfaceWriter", "BSplineVolumeWriter", "HexBlockMeshWriter")
 
 VIEW = simple.CreateRenderView()
 FOLDER = tempfile.TemporaryDirectory()
@@ -457,6 +458,29 @@ def test_menus():
             assert group == "sources" or menu.GetAttribute("icon").startswith(":/pqWidgets/Icons/"), name
 
 
+def properties_of(proxy):
+    found = proxy.NewPropertyIterator()
+    found.UnRegister(None)
+    found.Begin()
+    while not found.IsAtEnd():
+        yield found.GetKey(), found.GetProperty()
+        found.Next()
+
+
+def test_lists_say_what_they_list():
+    """ParaView gives lists no label, unless asked to; a group of one list has its name above."""
+    for group, proxies in (("sources", SOURCES), ("filters", FILTERS), ("writers", WRITERS)):
+        for name in proxies:
+            proxy = servermanager.ProxyManager().GetPrototypeProxy(group, name)
+            groups = [proxy.GetPropertyGroup(n) for n in range(proxy.GetNumberOfPropertyGroups())]
+            alone = {g.GetPropertyName(0) for g in groups if g.GetNumberOfProperties() == 1}
+            for key, prop in properties_of(proxy):
+                if prop.IsA("vtkSMVectorProperty") and not prop.IsA("vtkSMProxyProperty") and prop.GetRepeatable() and \
+                        not prop.GetInformationOnly() and key not in alone | {"FileName"}:
+                    hints_of = prop.GetHints()
+                    assert hints_of and hints_of.FindNestedElementByName("ShowLabel"), (name, key)
+
+
 def test_file_dialogs():
     readers = servermanager.vtkSMProxyManager.GetProxyManager().GetReaderFactory()
     session = servermanager.ActiveConnection.Session
@@ -488,15 +512,11 @@ def test_help():
             documentation = proxy.GetDocumentation()
             for text in (documentation.GetDescription(), documentation.GetShortHelp(), documentation.GetLongHelp()):
                 assert text, name
-            properties = proxy.NewPropertyIterator()
-            properties.UnRegister(None)
-            properties.Begin()
-            while not properties.IsAtEnd():
-                text = properties.GetProperty().GetDocumentation()
-                assert text and text.GetDescription(), (name, properties.GetKey())
-                if not properties.GetProperty().GetInformationOnly():
-                    assert "<th>%s</th>" % properties.GetPropertyLabel() in page, (name, properties.GetKey())
-                properties.Next()
+            for key, prop in properties_of(proxy):
+                text = prop.GetDocumentation()
+                assert text and text.GetDescription(), (name, key)
+                if not prop.GetInformationOnly():
+                    assert "<th>%s</th>" % prop.GetXMLLabel() in page, (name, key)
 
 
 if __name__ == "__main__":
