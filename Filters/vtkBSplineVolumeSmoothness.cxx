@@ -322,7 +322,8 @@ Row rowOf(const bsv::Join& join, const std::vector<std::string>& names)
   const bsv::ClassifiedJoin classified = bsv::classifyJoin(join);
   const JumpKind kind = join.crease ? JumpKind::NormalS : join.rankedBy();
   const bool angle = kind == JumpKind::Layer || kind == JumpKind::NormalS;
-  return { bsv::joinClassName(classified.of), std::string(kindOf(join)) + ", " + classified.reason,
+  const std::string what = kindOf(join);
+  return { bsv::joinClassName(classified.of), what == classified.reason ? what : what + ", " + classified.reason,
     names[join.sides[0].block] + " / " + names[join.sides[1].block],
     bsv::shortNumber(join.worst[int(kind)].value) + (angle ? " degrees" : ""), measureName(kind) };
 }

@@ -50,10 +50,10 @@
  *    pierces, the largest around it; of the wall); cell arrays `Kind` (int: 0 extraordinary curve, 1 wall border, 2
  *    crease), `Valence`, `Continuity` (-1 for extraordinary curves), `BlockA`, `BlockB` (-1 for extraordinary curves).
  *
- * 4. `Join List`: vtkPolyData, one line per join, defects first (JoinClass.h): the border of an interface, or the wall
- *    border itself. Cell arrays in reading order: `1 Rank`, `2 Class`, `3 What`, `4 Blocks`, `5 Jump` (string, with its
- *    unit), `6 Measure`; `JoinClass` (int: 0 defect, 1 expected, 2 deliberate, 3 smooth); `Layer jump
- *    (degrees)`, the largest; `Where` (3), the place of the jump by which the join is ranked. Point array `Layer jump
+ * 4. `Join List`: vtkPolyData, one line per join, defects first, then deliberate ones (JoinClass.h): the border of an
+ * interface, or the wall border itself. Cell arrays in reading order: `1 Rank`, `2 Class`, `3 What`, `4 Blocks`, `5
+ * Jump` (string, with its unit), `6 Measure`; `JoinClass` (int: 0 defect, 1 expected, 2 deliberate, 3 smooth); `Layer
+ * jump (degrees)`, the largest; `Where` (3), the place of the jump by which the join is ranked. Point array `Layer jump
  *    (degrees)`, the jump there. Field data `WallBox` (6: bounds of the wall's control points), if there is a wall. All
  *    on the first rank.
  * 5. `Verdict`: vtkTable with one row and the column `Text`, as ParaView shows it in the view.

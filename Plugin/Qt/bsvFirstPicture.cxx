@@ -119,6 +119,17 @@ std::string coloringOf(vtkSMProxy* display)
   return array ? array : "";
 }
 
+void hideLegend(vtkSMProxy* display, pqView* view)
+{
+  vtkSMProxy* legend = vtkSMTransferFunctionProxy::FindScalarBarRepresentation(
+    vtkSMPropertyHelper(display, "LookupTable").GetAsProxy(), view->getProxy());
+  if (legend)
+  {
+    vtkSMPropertyHelper(legend, "Visibility").Set(0);
+    legend->UpdateVTKObjects();
+  }
+}
+
 /// A body has one colour, not the numbers of its parts, which ParaView takes where nothing else is coloured.
 void takeBlockColors(pqDataRepresentation* display, pqView* view)
 {
@@ -128,13 +139,7 @@ void takeBlockColors(pqDataRepresentation* display, pqView* view)
   {
     return;
   }
-  vtkSMProxy* legend = vtkSMTransferFunctionProxy::FindScalarBarRepresentation(
-    vtkSMPropertyHelper(proxy, "LookupTable").GetAsProxy(), view->getProxy());
-  if (legend)
-  {
-    vtkSMPropertyHelper(legend, "Visibility").Set(0);
-    legend->UpdateVTKObjects();
-  }
+  hideLegend(proxy, view);
   vtkSMPropertyHelper(proxy, "ColorArrayName").SetInputArrayToProcess(vtkDataObject::POINT, "");
   proxy->UpdateVTKObjects();
 }
@@ -217,6 +222,12 @@ void bsvFirstPicture::arrange(pqRenderView* view)
     if (isNew && std::strcmp(name, "JoinsRepresentation") == 0)
     {
       quietGround(display, view);
+      // Without defects there is nothing whose colours mean anything.
+      auto* shown = vtkSMRepresentationProxy::SafeDownCast(display->getProxy());
+      if (shown && shown->GetRepresentedDataInformation()->GetNumberOfPoints() == 0)
+      {
+        hideLegend(shown, view);
+      }
     }
     changed = changed || isNew;
   }

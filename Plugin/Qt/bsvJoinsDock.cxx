@@ -79,6 +79,8 @@ void bsvJoinsDock::build()
   this->Table->setSelectionBehavior(QAbstractItemView::SelectRows);
   this->Table->setSelectionMode(QAbstractItemView::SingleSelection);
   this->Table->setEditTriggers(QAbstractItemView::NoEditTriggers);
+  // Rows are one line high: as much of it as there is room.
+  this->Table->setWordWrap(false);
   this->Table->horizontalHeader()->setStretchLastSection(true);
   this->Table->verticalHeader()->setDefaultSectionSize(QFontMetrics(this->Table->font()).lineSpacing() + 6);
   auto* button = new QPushButton("Fly To Join", body);
@@ -143,8 +145,8 @@ void bsvJoinsDock::fill()
     this->Table->insertRow(row);
     for (int column = 0; column < ColumnCount; ++column)
     {
-      auto* item =
-        new QTableWidgetItem(QString(fields[column]).remove("interface, ").replace(" degrees", QString(QChar(0x00b0))));
+      auto* item = new QTableWidgetItem(
+        QString(fields[column]).remove("interface, ").remove("at an ").replace(" degrees", QString(QChar(0x00b0))));
       item->setToolTip(fields[column]);
       item->setData(FlightRole, QStringList(fields.mid(ColumnCount)));
       if (column == 0 && fields[0] == "defect")
@@ -158,7 +160,7 @@ void bsvJoinsDock::fill()
   this->Busy = false;
   this->Table->resizeColumnsToContents();
   const int letter = QFontMetrics(this->Table->font()).averageCharWidth();
-  for (const auto& [column, letters] : { std::make_pair(1, 18), std::make_pair(2, 20) })
+  for (const auto& [column, letters] : { std::make_pair(1, 24), std::make_pair(2, 20) })
   {
     this->Table->setColumnWidth(column, std::min(this->Table->columnWidth(column), letters * letter));
   }

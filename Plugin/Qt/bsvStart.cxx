@@ -2,6 +2,7 @@
 #include "bsvStart.h"
 
 #include "bsvFirstPicture.h"
+#include "bsvReaderChoice.h"
 #include "bsvRuleTips.h"
 
 #include "pqApplicationCore.h"
@@ -107,6 +108,7 @@ void bsvStart::onStartup()
 {
   QObject::connect(pqApplicationCore::instance()->getObjectBuilder(),
     static_cast<void (pqObjectBuilder::*)(pqPipelineSource*)>(&pqObjectBuilder::filterCreated), this, chooseBody);
+  new bsvReaderChoice(this);
   new bsvRuleTips(this);
   // The window may not have its layout yet.
   QTimer::singleShot(0, this, [this]() {

@@ -65,9 +65,11 @@ ClassifiedJoin classifyJoin(const Join& join)
 
 std::vector<int> rankedByClass(const SmoothnessResult& result)
 {
+  // Of defect, expected, deliberate, smooth.
+  static constexpr int Places[JoinClasses] = { 0, 2, 1, 3 };
+  const auto place = [&](int join) { return Places[static_cast<int>(classifyJoin(result.joins[join]).of)]; };
   std::vector<int> order = result.ranking;
-  std::stable_sort(order.begin(), order.end(),
-    [&](int a, int b) { return classifyJoin(result.joins[a]).of < classifyJoin(result.joins[b]).of; });
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
   return order;
 }
 

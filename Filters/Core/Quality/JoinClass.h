@@ -21,7 +21,7 @@
 namespace bsv
 {
 
-/// In the order in which joins are listed.
+/// The codes that outputs hold.
 enum class JoinClass
 {
   Defect,
@@ -43,7 +43,8 @@ struct ClassifiedJoin
 
 ClassifiedJoin classifyJoin(const Join& join);
 
-/// Joins in the order of a list: by class, within a class as in `result.ranking`, creases last within theirs.
+/// Joins in the order of a list, what asks for a look first: defects, deliberate ones, expected ones, smooth ones;
+/// within a class as in `result.ranking`, creases last within theirs.
 std::vector<int> rankedByClass(const SmoothnessResult& result);
 
 } // namespace bsv
