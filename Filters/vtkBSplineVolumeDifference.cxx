@@ -400,13 +400,9 @@ void vtkBSplineVolumeDifference::SetBeforeConnection(vtkAlgorithmOutput* output)
 }
 
 //------------------------------------------------------------------------------
-int vtkBSplineVolumeDifference::FillInputPortInformation(int port, vtkInformation* info)
+int vtkBSplineVolumeDifference::FillInputPortInformation(int, vtkInformation* info)
 {
-  if (port == 1)
-  {
-    // Missed with one message of ours.
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  }
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   return 1;
@@ -443,14 +439,10 @@ int vtkBSplineVolumeDifference::RequestData(
   return bsv::execute(this, [&] {
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.1);
     const bsv::Ranks& ranks = *run.ranks;
-    vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
+    vtkDataObject* input = bsv::requiredInput(inputVector, 0);
     const bsv::BSplineVolumeBlocks after = bsv::bsplineVolumeBlocks(input, ranks);
-    vtkDataObject* other = vtkDataObject::GetData(inputVector[1], 0);
-    if (ranks.any(!other))
-    {
-      throw bsv::Error("Before: choose the B-spline volume to compare with");
-    }
-    const bsv::BSplineVolumeBlocks before = bsv::bsplineVolumeBlocks(other, ranks);
+    const bsv::BSplineVolumeBlocks before = bsv::bsplineVolumeBlocks(
+      bsv::requiredInput(inputVector, 1, "Before: choose the B-spline volume to compare with"), ranks);
     checkAlike(after, before);
     if (after.volumes.empty())
     {

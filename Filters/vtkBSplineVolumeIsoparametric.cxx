@@ -109,6 +109,7 @@ void vtkBSplineVolumeIsoparametric::SetPosition(int index, double value)
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeIsoparametric::FillInputPortInformation(int, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   return 1;
@@ -135,8 +136,7 @@ int vtkBSplineVolumeIsoparametric::RequestData(
         throw bsv::Error(text.str());
       }
     }
-    const bsv::BSplineVolumeBlocks input =
-      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *run.ranks);
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *run.ranks);
 
     // Which directions are constant, and how many components a position has.
     const bool surfaces = this->Shape == SURFACES;

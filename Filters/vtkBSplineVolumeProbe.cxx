@@ -94,11 +94,10 @@ void vtkBSplineVolumeProbe::PrintSelf(ostream& os, vtkIndent indent)
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeProbe::FillInputPortInformation(int port, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   if (port == 1)
   {
     info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
-    // Missed with one message of ours.
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
     return 1;
   }
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
@@ -182,7 +181,7 @@ int vtkBSplineVolumeProbe::RequestData(
     }
     bsv::requireFinitePoints(points, "Points", run);
     ranks.nextStep();
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), ranks);
     // On both sides of the question, and as arrays.
     bsv::requireMemory(static_cast<double>(points->GetNumberOfPoints()) *
         (2 * (sizeof(bsv::Triple) + sizeof(Answer)) + (this->ComputeDerivatives ? 14 : 5) * sizeof(double) +

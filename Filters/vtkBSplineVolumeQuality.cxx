@@ -387,6 +387,7 @@ const char* vtkBSplineVolumeQuality::GetBodyBoundary(int index) const
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeQuality::FillInputPortInformation(int, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Remove(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE());
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
@@ -424,7 +425,7 @@ int vtkBSplineVolumeQuality::RequestData(
   return bsv::execute(this, [&] {
     const bsv::Execution shared = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *shared.ranks;
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), ranks);
     if (input.volumes.empty())
     {
       return;

@@ -117,6 +117,7 @@ void vtkBSplineVolumeSampler::ClearBodyBoundaries()
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeSampler::FillInputPortInformation(int, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Remove(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE());
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
@@ -137,7 +138,7 @@ int vtkBSplineVolumeSampler::RequestData(
   std::vector<std::string> warnings;
   const int success = bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
-      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
+      bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *bsv::globalRanks());
     const std::size_t blocks = input.volumes.size();
     if (blocks == 0)
     {

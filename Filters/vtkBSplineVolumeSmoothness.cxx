@@ -746,6 +746,7 @@ const char* vtkBSplineVolumeSmoothness::GetBodyBoundary(int index) const
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeSmoothness::FillInputPortInformation(int, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   return 1;
@@ -782,7 +783,7 @@ int vtkBSplineVolumeSmoothness::RequestData(
 
   return bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
-      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
+      bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *bsv::globalRanks());
     if (input.volumes.empty())
     {
       return;

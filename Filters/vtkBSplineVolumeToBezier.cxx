@@ -162,6 +162,7 @@ void vtkBSplineVolumeToBezier::PrintSelf(ostream& os, vtkIndent indent)
 //------------------------------------------------------------------------------
 int vtkBSplineVolumeToBezier::FillInputPortInformation(int, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Remove(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE());
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
@@ -180,7 +181,7 @@ int vtkBSplineVolumeToBezier::RequestData(
   }
   return bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
-      bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks());
+      bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *bsv::globalRanks());
     const int blocks = static_cast<int>(input.volumes.size());
     if (blocks == 0)
     {

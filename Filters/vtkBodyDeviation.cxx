@@ -621,10 +621,7 @@ const char* vtkBodyDeviation::GetBodyBoundary(int index) const
 //------------------------------------------------------------------------------
 int vtkBodyDeviation::FillInputPortInformation(int port, vtkInformation* info)
 {
-  if (port == 1)
-  {
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  }
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   return 1;
@@ -663,7 +660,7 @@ int vtkBodyDeviation::RequestData(
     {
       throw bsv::Error("Body is missing: choose a NURBS surface, or give one to the conversion");
     }
-    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(vtkDataObject::GetData(inputVector[0], 0), ranks);
+    const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), ranks);
     if (input.volumes.empty())
     {
       return;

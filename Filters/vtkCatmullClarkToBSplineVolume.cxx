@@ -705,10 +705,7 @@ void vtkCatmullClarkToBSplineVolume::SetBodyConnection(vtkAlgorithmOutput* outpu
 //------------------------------------------------------------------------------
 int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int port, vtkInformation* info)
 {
-  if (port == 1)
-  {
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  }
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
@@ -748,10 +745,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
   bsv::setText(verdict, "");
 
   return bsv::execute(this, [&] {
-    if (!input)
-    {
-      throw bsv::Error("The input is missing.");
-    }
+    bsv::requiredInput(inputVector, 0);
     // Parts of the progress, and one count of what the ranks receive.
     const bsv::Execution whole = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *whole.ranks;
@@ -763,7 +757,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
 
     // The mesh.
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
-    bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, ranks);
+    bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, bsv::filterExecution(this, 0.0, 0.3));
     if (mesh.blocks.empty())
     {
       return;

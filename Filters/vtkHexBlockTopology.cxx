@@ -505,9 +505,9 @@ int vtkHexBlockTopology::FillOutputPortInformation(int port, vtkInformation* inf
 //------------------------------------------------------------------------------
 int vtkHexBlockTopology::FillInputPortInformation(int port, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   if (port == 1)
   {
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
     info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
     return 1;
   }
@@ -539,14 +539,11 @@ int vtkHexBlockTopology::RequestData(
   this->Report.clear();
 
   return bsv::execute(this, [&] {
-    if (!input)
-    {
-      throw bsv::Error("The input is missing.");
-    }
+    bsv::requiredInput(inputVector, 0);
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.6);
     const int rank = run.ranks->rank();
-    const bsv::BlockMesh mesh = bsv::blockMesh(input, grids, *run.ranks);
+    const bsv::BlockMesh mesh = bsv::blockMesh(input, grids, run);
     bsv::BlockComplexOptions options;
     options.matchTolerance = this->MatchTolerance;
     options.allowDegenerate = this->AllowDegenerate;

@@ -29,13 +29,10 @@ void vtkHexMeshToBlocks::SetBoundariesConnection(vtkAlgorithmOutput* output)
 //------------------------------------------------------------------------------
 int vtkHexMeshToBlocks::FillInputPortInformation(int port, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkStructuredGrid" : "vtkPolyData");
-  if (port == 1)
-  {
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  }
   return 1;
 }
 
@@ -57,10 +54,7 @@ int vtkHexMeshToBlocks::RequestData(
   this->Report.clear();
 
   return bsv::execute(this, [&] {
-    if (!input)
-    {
-      throw bsv::Error("The input is missing.");
-    }
+    bsv::requiredInput(inputVector, 0);
     bsv::HexMeshOptions options;
     // What ParaView's list of arrays has for no array.
     options.boundaryArray = this->BoundaryArray == "None" ? std::string() : this->BoundaryArray;

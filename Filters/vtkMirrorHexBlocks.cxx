@@ -276,6 +276,7 @@ const char* vtkMirrorHexBlocks::GetSymmetryBoundary(int index) const
 //------------------------------------------------------------------------------
 int vtkMirrorHexBlocks::FillInputPortInformation(int, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
@@ -296,14 +297,11 @@ int vtkMirrorHexBlocks::RequestData(
   this->Report.clear();
 
   return bsv::execute(this, [&] {
-    if (!input)
-    {
-      throw bsv::Error("The input is missing.");
-    }
+    bsv::requiredInput(inputVector, 0);
     const bsv::Execution run = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *run.ranks;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-    bsv::BlockMesh mesh = bsv::blockMesh(input, grids, ranks);
+    bsv::BlockMesh mesh = bsv::blockMesh(input, grids, bsv::filterExecution(this, 0.0, 0.3));
     if (mesh.blocks.empty())
     {
       return;

@@ -260,6 +260,7 @@ void vtkWallSpacing::ClearSymmetryBoundaries()
 //------------------------------------------------------------------------------
 int vtkWallSpacing::FillInputPortInformation(int, vtkInformation* info)
 {
+  bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
@@ -293,14 +294,11 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
   this->Report.clear();
 
   return bsv::execute(this, [&] {
-    if (!input)
-    {
-      throw bsv::Error("The input is missing.");
-    }
+    bsv::requiredInput(inputVector, 0);
     const std::shared_ptr<const bsv::Ranks> shared = bsv::globalRanks();
     const bsv::Ranks& ranks = *shared;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
-    const bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, ranks);
+    const bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, bsv::filterExecution(this, 0.0, 0.3));
     if (mesh.blocks.empty())
     {
       return;

@@ -133,7 +133,7 @@ void vtkHexBlockMeshWriter::WriteData()
       throw bsv::Error("Reference Length must be positive");
     }
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-    const bsv::BlockMesh mesh = bsv::blockMesh(this->GetInput(), grids, *run.ranks);
+    const bsv::BlockMesh mesh = bsv::blockMesh(this->GetInput(), grids, bsv::filterExecution(this, 0.0, 0.3));
     if (mesh.blocks.empty())
     {
       throw bsv::Error("there is no block to write");

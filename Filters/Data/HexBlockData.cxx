@@ -770,8 +770,9 @@ std::vector<NamedLeaf> namedLeaves(vtkDataObject* input)
   return result;
 }
 
-BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks)
+BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Execution& run)
 {
+  const Ranks& ranks = *run.ranks;
   if (!ranks.any(needsBlocks(input)))
   {
     std::vector<Leaf> leaves;
@@ -784,10 +785,6 @@ BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructu
     nameBySurfaces(mesh, surfaces, ranks);
     return mesh;
   }
-  Execution run;
-  run.parallelFor = [](Index count, Index grain, const Execution::Body& body) { pausedFor(count, grain, body, [] {}); };
-  // Shared by nobody else for as long as this function runs.
-  run.ranks = std::shared_ptr<const Ranks>(&ranks, [](const Ranks*) {});
   vtkNew<vtkPartitionedDataSetCollection> blocks;
   HexMeshReport report = hexMeshToBlocks(input, nullptr, {}, blocks, run);
   BlockMesh mesh = structuredBlocks(blocks, grids, ranks);

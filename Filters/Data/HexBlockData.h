@@ -64,11 +64,11 @@ BSPLINEVOLUMEFILTERS_EXPORT std::vector<NamedLeaf> namedLeaves(vtkDataObject* in
 /// @param[out] grids the grid of every block of the result, in its order, null for those on other ranks. They own the
 ///   memory behind the result's views: keep them, and do not change their points, as long as the result is used. A grid
 ///   whose points had to be converted is a shallow copy of the input's.
-/// @param ranks who shares the mesh; by default nobody.
+/// @param run reports while hexahedra become blocks; its ranks share the mesh.
 /// @throws Error for leaves that are no structured grids, blocks of fewer than 2 points in a direction, and arrays of
 ///   the wrong type or size or with entries out of range; for blocks and arrays that differ from rank to rank.
 BSPLINEVOLUMEFILTERS_EXPORT BlockMesh blockMesh(
-  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Ranks& ranks = Ranks());
+  vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Execution& run = {});
 
 /// The same for structured grids only; hidden cells count as any others.
 BSPLINEVOLUMEFILTERS_EXPORT BlockMesh structuredBlocks(

@@ -16,6 +16,8 @@
 #include <vtkCallbackCommand.h>
 #include <vtkDataObject.h>
 #include <vtkExecutive.h>
+#include <vtkInformation.h>
+#include <vtkInformationVector.h>
 #include <vtkNew.h>
 #include <vtkVersionMacros.h>
 
@@ -65,6 +67,25 @@ inline Execution filterExecution(vtkAlgorithm* algorithm, double first = 0.0, do
   run.parallelFor = [pause](
                       Index count, Index grain, const Execution::Body& body) { pausedFor(count, grain, body, pause); };
   return run;
+}
+
+/// For FillInputPortInformation(): VTK runs the algorithm also on a rank where the input is not connected. VTK would
+/// refuse it there alone, and the others would wait for ever.
+inline void acceptMissing(vtkInformation* port)
+{
+  port->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+}
+
+/// The data of an input port that must be connected. @throws Error unless it is
+inline vtkDataObject* requiredInput(
+  vtkInformationVector** inputs, int port, const char* message = "The input is missing.")
+{
+  vtkDataObject* data = vtkDataObject::GetData(inputs[port], 0);
+  if (!data)
+  {
+    throw Error(message);
+  }
+  return data;
 }
 
 /// Suppresses the next message of the executive of `algorithm`: that RequestData failed.

@@ -866,7 +866,7 @@ void meshParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOptions&
 {
   const Ranks& ranks = *run.ranks;
   std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
-  const BlockMesh mesh = blockMesh(input, grids, ranks);
+  const BlockMesh mesh = blockMesh(input, grids, run);
   if (mesh.blocks.empty())
   {
     return;

@@ -345,9 +345,14 @@ private:
       const Index size = this->Faces + 1;
       writeParts(file,
         { { 0, 1.0,
-          [size](OutputBuffer& out, const PartReport&) {
+          [size](OutputBuffer& out, const PartReport& report) {
             for (Index f = 0; f < size; ++f)
             {
+              constexpr Index Often = 1 << 16;
+              if (f % Often == 0)
+              {
+                report(static_cast<double>(f) / static_cast<double>(size));
+              }
               const Label start = static_cast<Label>(4 * f);
               out.write(reinterpret_cast<const char*>(&start), sizeof(Label));
             }

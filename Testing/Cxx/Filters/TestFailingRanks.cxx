@@ -465,6 +465,33 @@ const std::vector<std::pair<std::string, std::function<void(Inputs&)>>>& differe
   return all;
 }
 
+TEST_F(FailingRanks, InputsThatOneRankDoesNotHaveAreOneError)
+{
+  const auto cases = casesOfRanks(2);
+  int ports = 0;
+  for (std::size_t n = 0; n < cases[0].size(); ++n)
+  {
+    for (int port = 0; port < cases[0][n].make()->GetNumberOfInputPorts(); ++port)
+    {
+      std::vector<vtkSmartPointer<vtkAlgorithm>> algorithms{ cases[0][n].make(), cases[1][n].make() };
+      // Writers ask for their input before anybody else can.
+      if (vtkWriter::SafeDownCast(algorithms[0]) || algorithms[0]->GetNumberOfInputConnections(port) == 0)
+      {
+        continue;
+      }
+      algorithms[1]->RemoveAllInputConnections(port);
+      const std::string place = cases[0][n].name + ", input " + std::to_string(port);
+      const std::vector<End> ends = Runs(algorithms)();
+      expectOneEnd(ends, place);
+      // A body is data that all ranks have, or one.
+      const bool optional = port == 1 && place.rfind("BSplineVolume", 0) != 0;
+      EXPECT_TRUE(optional || !ends[0].verdict.empty()) << place;
+      ++ports;
+    }
+  }
+  EXPECT_GT(ports, 10);
+}
+
 TEST_F(FailingRanks, DifferentInputsEndAlikeOnAllRanks)
 {
   const bool all = allCollectives() != nullptr;

@@ -404,7 +404,7 @@ TEST(HexBlockData, RanksKnowAllBlocks)
         }
         vtkNew<vtkPartitionedDataSetCollection> nothing;
         Grids grids;
-        const bsv::BlockMesh found = bsv::blockMesh(rank == 4 && d > 0 ? nothing.Get() : part.Get(), grids, *run.ranks);
+        const bsv::BlockMesh found = bsv::blockMesh(rank == 4 && d > 0 ? nothing.Get() : part.Get(), grids, run);
         EXPECT_EQ(topologyOf(found), expected);
         for (int b = 0; b < 3; ++b)
         {
@@ -439,7 +439,7 @@ TEST(HexBlockData, PartitionsOfOneDataSetOnSeveralRanks)
       collection->GetMetaData(1u)->Set(vtkCompositeDataSet::NAME(), "last");
     }
     Grids grids;
-    const bsv::BlockMesh found = bsv::blockMesh(collection, grids, *run.ranks);
+    const bsv::BlockMesh found = bsv::blockMesh(collection, grids, run);
     ASSERT_EQ(found.blocks.size(), 2u);
     EXPECT_EQ(found.blocks[0].name, "block 1");
     EXPECT_EQ(found.blocks[0].rank, 1);
@@ -523,7 +523,7 @@ TEST(HexBlockData, RanksMustAgree)
       part->DeepCopy(shared);
       bad.spoil(part, rank);
       Grids grids;
-      bsv::blockMesh(part, grids, *run.ranks);
+      bsv::blockMesh(part, grids, run);
     });
     EXPECT_EQ(errors, std::vector<std::string>(3, errors[0])) << bad.what;
     for (const std::string& part : bad.parts)

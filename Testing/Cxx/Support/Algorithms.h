@@ -282,6 +282,7 @@ public:
     add(static_cast<vtkWingFuselageSource*>(nullptr), "WingFuselageSource", {},
       [resolution](auto* source) { source->SetResolution(resolution); });
     add(static_cast<vtkHexBlockTopology*>(nullptr), "HexBlockTopology", { this->Mesh, this->Body }, asIs);
+    add(static_cast<vtkHexBlockTopology*>(nullptr), "HexBlockTopology of hexahedra", { this->Hexahedra }, asIs);
     add(static_cast<vtkHexMeshToBlocks*>(nullptr), "HexMeshToBlocks", { this->Hexahedra }, asIs);
     add(static_cast<vtkMirrorHexBlocks*>(nullptr), "MirrorHexBlocks", { this->Mesh }, asIs);
     add(static_cast<vtkWallSpacing*>(nullptr), "WallSpacing", { this->Mesh }, [](auto* filter) {
