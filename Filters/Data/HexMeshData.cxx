@@ -618,7 +618,7 @@ void gatherMesh(HexMesh& mesh, Collector& collector, const Ranks& ranks)
   {
     for (Index p = 0; p < mesh.pointCount(); ++p)
     {
-      const Vec3 x = mesh.points.atOffset(p);
+      const Vec3 x = mesh.points.atPlace(p);
       collector.points().insert(collector.points().end(), x.data(), x.data() + 3);
     }
   }
@@ -843,7 +843,7 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, con
       run.parallelFor(points->GetNumberOfValues(), 1 << 16, [&](Index begin, Index end) {
         for (Index n = begin; n < end; ++n)
         {
-          const Vec3 place = mesh.points.atOffset(block.pointIds[n]);
+          const Vec3 place = mesh.points.atPlace(block.pointIds[n]);
           std::copy(place.data(), place.data() + 3, x + 3 * n);
           points->SetValue(n, block.pointIds[n]);
         }

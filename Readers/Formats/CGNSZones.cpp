@@ -374,7 +374,7 @@ private:
       zone.points.resize(static_cast<std::size_t>(3 * pointCount));
       for (Index p = 0; p < pointCount; ++p)
       {
-        const Vec3 x = view.atOffset(p);
+        const Vec3 x = view.atPlace(p);
         std::copy_n(x.data(), 3, zone.points.begin() + 3 * p);
       }
     }

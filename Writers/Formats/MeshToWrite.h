@@ -48,7 +48,7 @@ struct BlockToWrite
   /// iblank of point (i, j, k) of those that are written; 1 where there is none.
   int blank(int i, int j, int k) const
   {
-    return this->iblank ? this->iblank[this->points.offset({ i * this->step, j * this->step, k * this->step })] : 1;
+    return this->iblank ? this->iblank[this->points.place({ i * this->step, j * this->step, k * this->step })] : 1;
   }
 };
 

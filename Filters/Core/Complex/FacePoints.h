@@ -14,14 +14,14 @@ void forFacePoints(const BlockComplex& complex, const FaceUse& use, const Body& 
 {
   const ComplexBlock& block = complex.blocks[use.block];
   const Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
-  const Index start = block.points.offset(facePoint(cells, use.face, 0, 0));
-  const Index alongS = block.points.offset(facePoint(cells, use.face, 1, 0)) - start;
-  const Index alongT = block.points.offset(facePoint(cells, use.face, 0, 1)) - start;
+  const Index start = block.points.place(facePoint(cells, use.face, 0, 0));
+  const Index alongS = block.points.place(facePoint(cells, use.face, 1, 0)) - start;
+  const Index alongT = block.points.place(facePoint(cells, use.face, 0, 1)) - start;
   for (int t = 0; t <= cells[faceAxis(use.face, 1)]; ++t)
   {
     for (int s = 0; s <= cells[faceAxis(use.face, 0)]; ++s)
     {
-      body(block.points.atOffset(start + s * alongS + t * alongT));
+      body(block.points.atPlace(start + s * alongS + t * alongT));
     }
   }
 }

@@ -62,16 +62,16 @@ GluingPass::Comparison GluingPass::compare(const Interface& contact, bool bitsOn
     return facePoint(
       this->Surface.cells(contact.blockB), contact.faceB, contact.originB[0] + st[0], contact.originB[1] + st[1]);
   };
-  const Index startA = pointsA.offset(onA(0, 0)), startB = pointsB.offset(onB(0, 0));
-  const Index alongSA = pointsA.offset(onA(1, 0)) - startA, alongSB = pointsB.offset(onB(1, 0)) - startB;
-  const Index alongTA = pointsA.offset(onA(0, 1)) - startA, alongTB = pointsB.offset(onB(0, 1)) - startB;
+  const Index startA = pointsA.place(onA(0, 0)), startB = pointsB.place(onB(0, 0));
+  const Index alongSA = pointsA.place(onA(1, 0)) - startA, alongSB = pointsB.place(onB(1, 0)) - startB;
+  const Index alongTA = pointsA.place(onA(0, 1)) - startA, alongTB = pointsB.place(onB(0, 1)) - startB;
   Comparison result;
   for (int t = 0; t <= nt; ++t)
   {
     for (int s = 0; s <= ns; ++s)
     {
-      const Vec3 x = pointsA.atOffset(startA + s * alongSA + t * alongTA);
-      const Vec3 y = pointsB.atOffset(startB + s * alongSB + t * alongTB);
+      const Vec3 x = pointsA.atPlace(startA + s * alongSA + t * alongTA);
+      const Vec3 y = pointsB.atPlace(startB + s * alongSB + t * alongTB);
       if (sameBits(x, y))
       {
         continue;

@@ -59,7 +59,7 @@ public:
   BaseComplex decompose();
 
 private:
-  Vec3 point(HexId id) const { return this->Mesh.points.atOffset(id); }
+  Vec3 point(HexId id) const { return this->Mesh.points.atPlace(id); }
   HexId corner(HexId cell, int corner) const { return this->Mesh.corners[8 * Index(cell) + corner]; }
 
   std::string cell(Index cell) const { return this->Mesh.cellName(cell); }

@@ -2,6 +2,7 @@
 #include "Complex/HexNeighbours.h"
 
 #include "Base/BoxTree.h"
+#include "Base/CanonicalOrder.h"
 #include "Base/UnionFind.h"
 #include "Mesh/BlockSurface.h"
 #include "Mesh/BlockTopology.h"
@@ -51,7 +52,7 @@ public:
   }
 
 private:
-  Vec3 point(HexId id) const { return this->Mesh.points.atOffset(id); }
+  Vec3 point(HexId id) const { return this->Mesh.points.atPlace(id); }
 
   /// The corners of a face at (0, 0), (1, 0), (0, 1) and (1, 1) of its axes.
   Key corners(HexId face) const
@@ -77,9 +78,9 @@ private:
     this->Run.parallelFor(this->Mesh.pointCount(), 1 << 16, [&](Index begin, Index end) {
       for (Index p = begin; p < end; ++p)
       {
-        if (!this->Mesh.points.atOffset(p).allFinite())
+        if (!this->Mesh.points.atPlace(p).allFinite())
         {
-          throw Error(this->Mesh.pointName(p) + " is not finite: " + text(this->Mesh.points.atOffset(p)));
+          throw Error(this->Mesh.pointName(p) + " is not finite: " + text(this->Mesh.points.atPlace(p)));
         }
       }
     });
@@ -636,10 +637,7 @@ private:
     for (HexId n = 0; n < this->Places.size(); ++n)
     {
       HexId& best = chosen[copies.find(n)];
-      const auto before = [&](const Vec3& a, const Vec3& b) {
-        return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-      };
-      if (best == NoHexId || before(this->Places[n].x, this->Places[best].x))
+      if (best == NoHexId || comesBefore(this->Places[n].x, this->Places[best].x))
       {
         best = n;
       }

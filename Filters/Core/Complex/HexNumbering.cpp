@@ -37,11 +37,11 @@ struct PlacedCell
 /// The cells along the Morton curve through the bounding box, 2^21 steps in every direction.
 std::vector<PlacedCell> sortedByPlace(const HexMesh& mesh, const Execution& run)
 {
-  Vec3 lowest = mesh.points.atOffset(mesh.corners[0]);
+  Vec3 lowest = mesh.points.atPlace(mesh.corners[0]);
   Vec3 highest = lowest;
   for (Index p = 0; p < mesh.pointCount(); ++p)
   {
-    const Vec3 x = mesh.points.atOffset(p);
+    const Vec3 x = mesh.points.atPlace(p);
     lowest = lowest.cwiseMin(x);
     highest = highest.cwiseMax(x);
   }
@@ -58,7 +58,7 @@ std::vector<PlacedCell> sortedByPlace(const HexMesh& mesh, const Execution& run)
     {
       const HexId* corner = mesh.corners.data() + 8 * c;
       // Opposite corners say where it is.
-      const Vec3 center = 0.5 * mesh.points.atOffset(corner[0]) + 0.5 * mesh.points.atOffset(corner[7]);
+      const Vec3 center = 0.5 * mesh.points.atPlace(corner[0]) + 0.5 * mesh.points.atPlace(corner[7]);
       cells[c] = { everyThird(step(center[0], 0)) | everyThird(step(center[1], 1)) << 1 |
           everyThird(step(center[2], 2)) << 2,
         static_cast<HexId>(c) };
@@ -139,7 +139,7 @@ HexNumbering::HexNumbering(HexMesh& original, const Execution& run)
   run.parallelFor(points, 1 << 14, [&](Index begin, Index end) {
     for (Index p = begin; p < end; ++p)
     {
-      this->Points[p] = original.points.atOffset(this->PointOf[p]);
+      this->Points[p] = original.points.atPlace(this->PointOf[p]);
     }
   });
   this->Mesh.points = GridView(this->Points.data()->data(), original.points.counts());

@@ -2,6 +2,7 @@
 #include "Complex/MeshDoctor.h"
 
 #include "Base/BoxTree.h"
+#include "Base/CanonicalOrder.h"
 #include "Base/Numbers.h"
 #include "Base/UnionFind.h"
 #include "Complex/OuterSurface.h"
@@ -40,11 +41,6 @@ constexpr int WidestRim = 8;
 constexpr double SamePlace = 0.05;
 /// Quadrilaterals per direction of a tile.
 constexpr int TileSize = 8;
-
-bool before(const Vec3& a, const Vec3& b)
-{
-  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-}
 
 /// The coordinates of `d` in a frame, largest absolute value; infinite if the frame is flat.
 class Frame
@@ -298,7 +294,7 @@ private:
         // Seen from a cell that a moved point turned over, its surface may look anywhere.
         turned = turned || !(a.dot(cell.frame()[2]) < 0.0);
         ++count;
-        first = before(center, first) ? center : first;
+        first = comesBefore(center, first) ? center : first;
       });
     const Vec3 axis = sum.stableNormalized();
     double least = 1.0;
@@ -816,7 +812,7 @@ private:
       MeshFinding& finding = findings[groups.find(a)];
       const Vec3 place = vec3(pair.place);
       if (finding.kind == MeshFindingKind::None || pair.fraction > finding.fraction ||
-        (pair.fraction == finding.fraction && before(place, finding.place)))
+        (pair.fraction == finding.fraction && comesBefore(place, finding.place)))
       {
         finding.place = place;
         finding.blocks = { this->parent(quadA.face), this->parent(quadB.face) };
@@ -1065,7 +1061,7 @@ private:
       for (const Ray* ray : found)
       {
         const Vec3 place = vec3(ray->from);
-        finding.place = finding.quads == 0 || before(place, finding.place) ? place : finding.place;
+        finding.place = finding.quads == 0 || comesBefore(place, finding.place) ? place : finding.place;
         ++finding.quads;
         concerned[key].push_back(ray->quad);
       }
@@ -1183,7 +1179,7 @@ private:
         {
           const Vec3 place = vec3(shape.first);
           MeshFinding& finding = part.finding;
-          if (finding.quads == 0 || before(place, finding.place))
+          if (finding.quads == 0 || comesBefore(place, finding.place))
           {
             finding.place = place;
             finding.blocks[0] = this->parent(faces[n]);

@@ -86,11 +86,11 @@ public:
     const ComplexBlock& block = this->Complex.blocks[use.block];
     const Ijk cells{ block.cells(0), block.cells(1), block.cells(2) };
     const Ijk origin = facePoint(cells, use.face, 0, 0);
-    const Index start = block.points.offset(origin);
+    const Index start = block.points.place(origin);
     const auto step = [&](int direction, int by) {
       Ijk p = origin;
       p[direction] += by;
-      return block.points.offset(p) - start;
+      return block.points.place(p) - start;
     };
     const Index alongS = step(faceAxis(use.face, 0), 1), alongT = step(faceAxis(use.face, 1), 1);
     const Index inwards = step(faceDirection(use.face), faceSide(use.face) ? -1 : 1);
@@ -98,7 +98,7 @@ public:
     cell.sign = this->sign(use);
     const auto read = [&](int c, int s, int t) {
       const Index at = start + s * alongS + t * alongT;
-      const Vec3 x = block.points.atOffset(at), y = block.points.atOffset(at + inwards);
+      const Vec3 x = block.points.atPlace(at), y = block.points.atPlace(at + inwards);
       cell.outer[c] = { x[0], x[1], x[2] };
       cell.inner[c] = { y[0], y[1], y[2] };
     };

@@ -112,7 +112,7 @@ void convertFacePoints(
 
     Vec3 at(int s, int t, int depth) const
     {
-      const Vec3 x = this->points->atOffset(this->mesh(s, t, depth));
+      const Vec3 x = this->points->atPlace(this->mesh(s, t, depth));
       if (!this->moved)
       {
         return x;
@@ -165,7 +165,7 @@ void convertFacePoints(
       ijk[axes[0]] = s;
       ijk[axes[1]] = t;
       ijk[normal] = faceSide(use.face) ? cells[normal] - depth : depth;
-      return owner.points.offset(ijk);
+      return owner.points.place(ijk);
     });
     const Plane control = plane([&](int s, int t, int fromEnd) {
       Ijk ijk;

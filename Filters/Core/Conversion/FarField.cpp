@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/FarField.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Base/Numbers.h"
 #include "Base/OrderFreeSum.h"
 #include "Complex/FacePoints.h"
@@ -567,9 +568,8 @@ private:
       side.normal = sum.result(quads).normalized();
       result.push_back(std::move(side));
     }
-    std::sort(result.begin(), result.end(), [](const FarFieldSide& a, const FarFieldSide& b) {
-      return std::lexicographical_compare(a.normal.data(), a.normal.data() + 3, b.normal.data(), b.normal.data() + 3);
-    });
+    std::sort(result.begin(), result.end(),
+      [](const FarFieldSide& a, const FarFieldSide& b) { return comesBefore(a.normal, b.normal); });
     return result;
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/G1Fit.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Volume/BSplineVolume.h"
 
 #include <algorithm>
@@ -341,19 +342,19 @@ private:
 };
 
 /// The patch seen from another spoke on, in the same or the other sense.
-WallPatch turned(const WallPatch& patch, int first, bool backwards)
+WallPatch turned(const WallPatch& patch, const CycleOrder& order)
 {
   const int n = static_cast<int>(patch.sectors.size());
   WallPatch result = patch;
   for (int k = 0; k < n; ++k)
   {
-    result.cells[k] = patch.cells[((backwards ? first - k : first + k) + n) % n];
-    const std::vector<Vec3>& from = patch.sectors[((backwards ? first - k - 1 : first + k) + n) % n];
+    result.cells[k] = patch.cells[order.item(k)];
+    const std::vector<Vec3>& from = patch.sectors[order.gap(k)];
     for (int j = 0; j < patch.size; ++j)
     {
       for (int i = 0; i < patch.size; ++i)
       {
-        result.sectors[k][i + patch.size * j] = backwards ? from[j + patch.size * i] : from[i + patch.size * j];
+        result.sectors[k][i + patch.size * j] = order.backwards() ? from[j + patch.size * i] : from[i + patch.size * j];
       }
     }
   }
@@ -367,17 +368,8 @@ G1FitResult fitToBody(
 {
   // From the smallest first point on, towards the smaller of its neighbours.
   const int n = static_cast<int>(start.sectors.size());
-  const auto spoke = [&](int k) -> const Vec3& { return start.sectors[k][1]; };
-  const auto less = [&](int a, int b) {
-    return std::lexicographical_compare(spoke(a).data(), spoke(a).data() + 3, spoke(b).data(), spoke(b).data() + 3);
-  };
-  int first = 0;
-  for (int k = 1; k < n; ++k)
-  {
-    first = less(k, first) ? k : first;
-  }
-  const bool backwards = less((first + n - 1) % n, (first + 1) % n);
-  const WallPatch sorted = turned(start, first, backwards);
+  const CycleOrder order(n, [&](int a, int b) { return comesBefore(start.sectors[a][1], start.sectors[b][1]); });
+  const WallPatch sorted = turned(start, order);
   const bool large = *std::min_element(start.cells.begin(), start.cells.end()) >= 8;
   // Where the body is nearly flat points may slide too far: then stiffer.
   G1FitResult result;
@@ -395,16 +387,17 @@ G1FitResult fitToBody(
     LocalNetShape shape = result.shape;
     for (int k = 0; k < n; ++k)
     {
-      shape.kinds[((backwards ? first - k : first + k) + n) % n] = result.shape.kinds[k];
+      shape.kinds[order.item(k)] = result.shape.kinds[k];
     }
     for (int k = 0; k < n; ++k)
     {
-      const int own = ((backwards ? first - k - 1 : first + k) + n) % n;
+      const int own = order.gap(k);
       for (int j = 0; j <= shape.reach; ++j)
       {
         for (int i = 0; i <= shape.reach; ++i)
         {
-          net[backwards ? shape.sector(own, j, i) : shape.sector(own, i, j)] = result.net[result.shape.sector(k, i, j)];
+          net[order.backwards() ? shape.sector(own, j, i) : shape.sector(own, i, j)] =
+            result.net[result.shape.sector(k, i, j)];
         }
       }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/LayerRules.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Base/Numbers.h"
 #include "Base/OrderFreeSum.h"
 #include "Complex/Limits.h"
@@ -402,16 +403,8 @@ class FanOrder
 public:
   explicit FanOrder(const Fan& fan)
     : N(fan.sectorCount())
+    , Order(fan.sectorCount(), [&fan](int a, int b) { return comesBefore(fan.spokes[a], fan.spokes[b]); })
   {
-    const auto less = [&](int a, int b) {
-      return std::lexicographical_compare(
-        fan.spokes[a].data(), fan.spokes[a].data() + 3, fan.spokes[b].data(), fan.spokes[b].data() + 3);
-    };
-    for (int i = 1; i < this->N; ++i)
-    {
-      this->First = less(i, this->First) ? i : this->First;
-    }
-    this->Backwards = less((this->First + this->N - 1) % this->N, (this->First + 1) % this->N);
   }
 
   Fan sorted(const Fan& fan) const
@@ -419,8 +412,8 @@ public:
     Fan result = fan;
     for (int i = 0; i < this->N; ++i)
     {
-      result.spokes[i] = fan.spokes[this->spokeAt(i)];
-      result.sectors[i] = fan.sectors[this->sectorAt(i)];
+      result.spokes[i] = fan.spokes[this->Order.item(i)];
+      result.sectors[i] = fan.sectors[this->Order.gap(i)];
     }
     return result;
   }
@@ -429,19 +422,15 @@ public:
     Fan result = fan;
     for (int i = 0; i < this->N; ++i)
     {
-      result.spokes[this->spokeAt(i)] = fan.spokes[i];
-      result.sectors[this->sectorAt(i)] = fan.sectors[i];
+      result.spokes[this->Order.item(i)] = fan.spokes[i];
+      result.sectors[this->Order.gap(i)] = fan.sectors[i];
     }
     return result;
   }
 
 private:
-  int spokeAt(int i) const { return (this->Backwards ? this->First - i + this->N : this->First + i) % this->N; }
-  int sectorAt(int i) const { return (this->Backwards ? this->First - i - 1 + this->N : this->First + i) % this->N; }
-
   int N;
-  int First = 0;
-  bool Backwards = false;
+  CycleOrder Order;
 };
 
 /// The layer rule of the source: neighbours projected onto the tangent plane (5.42), parallelograms (5.43).

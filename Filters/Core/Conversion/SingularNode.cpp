@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/SingularNode.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Base/OrderFreeSum.h"
 
 #include <Eigen/Dense>
@@ -19,11 +20,8 @@ std::vector<int> canonicalOrder(const std::vector<Entity>& entities)
 {
   std::vector<int> order(entities.size());
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    const Vec3& p = entities[a].point;
-    const Vec3& q = entities[b].point;
-    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
-  });
+  std::sort(
+    order.begin(), order.end(), [&](int a, int b) { return comesBefore(entities[a].point, entities[b].point); });
   std::vector<int> rank(entities.size());
   for (std::size_t i = 0; i < order.size(); ++i)
   {

@@ -186,7 +186,7 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
       {
         for (int i = 0; i <= owner.cells(0); ++i)
         {
-          if (owner.points.changes()->find(owner.points.start() + owner.points.offset({ i, j, k })))
+          if (owner.points.changes()->find(owner.points.place({ i, j, k })))
           {
             choose(
               { range(0, i, 0), range(1, j, 0), range(2, k, 0) }, { range(0, i, 1), range(1, j, 1), range(2, k, 1) });

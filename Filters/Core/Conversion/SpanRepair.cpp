@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/SpanRepair.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Base/SortedSum.h"
 #include "Conversion/DoubleKnots.h"
 #include "Conversion/PointFrame.h"
@@ -106,10 +107,7 @@ private:
       return false;
     }
     // The frame: its origin is the smallest corner, its axes are sorted by their other ends.
-    const auto before = [&](int a, int b) {
-      return std::lexicographical_compare(
-        corners[a].data(), corners[a].data() + 3, corners[b].data(), corners[b].data() + 3);
-    };
+    const auto before = [&](int a, int b) { return comesBefore(corners[a], corners[b]); };
     int origin = 0;
     for (int c = 1; c < 8; ++c)
     {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/Star.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Base/OrderFreeSum.h"
 #include "Conversion/EdgeConversion.h"
 
@@ -258,7 +259,7 @@ StackAxes stackAxes(const ConversionContext& context, const Star& star)
   const auto before = [&](int a, int b) {
     const Vec3& p = star.meshEdges.empty() ? star.edges[a].point : star.meshEdges[a];
     const Vec3& q = star.meshEdges.empty() ? star.edges[b].point : star.meshEdges[b];
-    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+    return comesBefore(p, q);
   };
   const bool single = axes.up >= 0;
   for (int e = 0; e < edges && !single; ++e)

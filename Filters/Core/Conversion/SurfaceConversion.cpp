@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/SurfaceConversion.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Base/Numbers.h"
 #include "Body/ClosestPoint.h"
 #include "Conversion/EdgeConversion.h"
@@ -324,9 +325,7 @@ GivenFeet givenFeet(const BlockComplex& complex, const ConversionOptions& option
       // Copies may differ in the blocks: the smallest is as good as any and is the same in every order.
       const Vec3 given(values[i].data());
       const auto found = result.find(copies[i].vertex);
-      if (given.allFinite() &&
-        (found == result.end() ||
-          std::lexicographical_compare(given.data(), given.data() + 3, found->second.data(), found->second.data() + 3)))
+      if (given.allFinite() && (found == result.end() || comesBefore(given, found->second)))
       {
         result[copies[i].vertex] = given;
       }

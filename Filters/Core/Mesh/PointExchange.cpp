@@ -104,7 +104,7 @@ std::vector<std::shared_ptr<PointBoxes>> fetchPoints(const std::vector<PointBox>
     if (rankOf(b) != ranks.rank())
     {
       GridView& view = viewOf(b);
-      view = memory[b] ? GridView(memory[b].get()) : GridView::elsewhere(view.counts());
+      view = GridView(memory[b] ? PointStorage(memory[b].get()) : PointStorage(), view.counts());
     }
   }
   memory.erase(std::remove(memory.begin(), memory.end(), nullptr), memory.end());

@@ -41,7 +41,7 @@ SurfaceNumbering surfacesOf(const std::vector<Ijk>& counts)
   for (const Ijk& n : counts)
   {
     MeshBlock block;
-    block.points = GridView(static_cast<const double*>(nullptr), n);
+    block.points = GridView::elsewhere(n);
     mesh.blocks.push_back(block);
   }
   return SurfaceNumbering(mesh);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Wall/BodyFit.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Base/Numbers.h"
 #include "Body/BodyEdges.h"
 #include "Mesh/BlockSurface.h"
@@ -503,7 +504,7 @@ bool lowerShares(const BlockComplex& complex, const EntityRules& rules, const Wa
     for (int c = 0; c < 8; ++c)
     {
       corners.emplace(place.block,
-        points.offset(
+        points.place(
           { place.cell[0] + cornerSide(c, 0), place.cell[1] + cornerSide(c, 1), place.cell[2] + cornerSide(c, 2) }));
     }
   }
@@ -511,7 +512,7 @@ bool lowerShares(const BlockComplex& complex, const EntityRules& rules, const Wa
   follow(
     complex, wallLines(complex, wall, fit, shares, ranks.rank()),
     [&](const PointAt& point, double, const MeshLine& line) {
-      if (corners.count({ point.block, complex.blocks[point.block].points.offset(point.ijk) }) > 0)
+      if (corners.count({ point.block, complex.blocks[point.block].points.place(point.ijk) }) > 0)
       {
         touched.push_back(line.wallPoint);
       }
@@ -594,9 +595,7 @@ WallMotion wallMotion(const BlockComplex& given, const BlockComplex& fitted, con
     lengths.push_back(length);
     inCells.push_back(first[i] > 0.0 ? length / first[i] : 0.0);
     const Vec3& x = points[i];
-    if (length > motion.largest ||
-      (length == motion.largest &&
-        (i == 0 || std::lexicographical_compare(x.data(), x.data() + 3, motion.where.data(), motion.where.data() + 3))))
+    if (length > motion.largest || (length == motion.largest && (i == 0 || comesBefore(x, motion.where))))
     {
       motion.largest = length;
       motion.where = x;

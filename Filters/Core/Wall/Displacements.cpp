@@ -108,7 +108,7 @@ void Displacements::apply(BlockComplex& complex)
     const Grid& grid = this->Grids[parent];
     ChangedPoints& points = *grid.offsets;
     const GridView before = pieces.front()->points;
-    const auto given = [&](Index i) { return before.atOffset(i - before.start()); };
+    const auto given = [&](Index i) { return before.atPlace(i); };
     points.forEach([&](Index i, Index slot) {
       const Vec3 x = given(i);
       points[slot] = isUnmoved(points[slot]) ? x : Vec3(x + points[slot]);
@@ -130,8 +130,7 @@ void Displacements::apply(BlockComplex& complex)
 
 Index Displacements::place(const PointAt& point) const
 {
-  const GridView& points = this->Complex.blocks[point.block].points;
-  return points.start() + points.offset(point.ijk);
+  return this->Complex.blocks[point.block].points.place(point.ijk);
 }
 
 std::vector<PointAt> Displacements::copies(const SharedPoint& point) const

@@ -3,6 +3,7 @@
 /// Displacements of wall points, carried along mesh lines into the layers of all blocks and ranks.
 #pragma once
 
+#include "Base/CanonicalOrder.h"
 #include "Base/Numbers.h"
 #include "Base/SparseArray.h"
 #include "Complex/BlockComplex.h"
@@ -31,8 +32,7 @@ struct Displacement
     {
       return this->weight < other.weight;
     }
-    return std::lexicographical_compare(
-      this->offset.data(), this->offset.data() + 3, other.offset.data(), other.offset.data() + 3);
+    return comesBefore(this->offset, other.offset);
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Wall/WallSamples.h"
 
+#include "Base/CanonicalOrder.h"
 #include "Complex/EdgeFans.h"
 #include "Volume/BSplineVolume.h"
 
@@ -36,11 +37,6 @@ std::array<double, 4> clampedBasis(int cells, int span, int q)
   return values;
 }
 
-bool less(const Vec3& a, const Vec3& b)
-{
-  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-}
-
 } // namespace
 
 WallSamples::WallSamples(
@@ -60,9 +56,9 @@ WallSamples::WallSamples(
     };
     for (int c = 1; c < 4; ++c)
     {
-      corner = less(at(c), at(corner)) ? c : corner;
+      corner = comesBefore(at(c), at(corner)) ? c : corner;
     }
-    const bool swap = less(at(corner ^ 2), at(corner ^ 1));
+    const bool swap = comesBefore(at(corner ^ 2), at(corner ^ 1));
     Face face;
     face.ns = cells[swap ? 1 : 0];
     face.nt = cells[swap ? 0 : 1];
@@ -84,7 +80,7 @@ WallSamples::WallSamples(
     {
       if (key(a, n) != key(b, n))
       {
-        return less(key(a, n), key(b, n));
+        return comesBefore(key(a, n), key(b, n));
       }
     }
     return false;

@@ -57,7 +57,7 @@ TEST(ChangedPoints, ViewsShowThemInPlaceOfTheStoredOnes)
   const std::vector<float> floats = randomPoints<float>(2);
   for (const GridView& stored : { GridView(doubles.data(), Counts), GridView(floats.data(), Counts) })
   {
-    const auto before = [&](Index i) { return stored.atOffset(i); };
+    const auto before = [&](Index i) { return stored.atPlace(i); };
     ChangedPoints changes(stored.size());
     std::map<Index, Vec3> expected;
     std::mt19937 random(3);
@@ -81,9 +81,9 @@ TEST(ChangedPoints, ViewsShowThemInPlaceOfTheStoredOnes)
           ASSERT_EQ(row.size(), 3u * view.counts()[0]);
           for (int i = 0; i < view.counts()[0]; ++i)
           {
-            const Index at = stored.offset({ i + origin[0], j + origin[1], k + origin[2] });
+            const Index at = stored.place({ i + origin[0], j + origin[1], k + origin[2] });
             const auto found = expected.find(at);
-            const Vec3 x = found == expected.end() ? stored.atOffset(at) : found->second;
+            const Vec3 x = found == expected.end() ? stored.atPlace(at) : found->second;
             EXPECT_EQ(view(i, j, k), x);
             EXPECT_EQ(Vec3(row[3 * i], row[3 * i + 1], row[3 * i + 2]), x);
           }
@@ -120,7 +120,7 @@ TEST(ChangedPoints, FittingAgainIsFittingTheMovedPoints)
     fitBody(once, wallOptions(), fit);
     for (Index i = 0; i < moved.size(); ++i)
     {
-      EXPECT_EQ(twice.blocks[0].points.atOffset(i), once.blocks[0].points.atOffset(i)) << i;
+      EXPECT_EQ(twice.blocks[0].points.atPlace(i), once.blocks[0].points.atPlace(i)) << i;
     }
   }
 }
@@ -139,7 +139,7 @@ TEST(ChangedPoints, AreAboutThoseThatMove)
     Index moved = 0;
     for (Index i = 0; i < before.blocks[0].points.size(); ++i)
     {
-      moved += after.blocks[0].points.atOffset(i) != before.blocks[0].points.atOffset(i) ? 1 : 0;
+      moved += after.blocks[0].points.atPlace(i) != before.blocks[0].points.atPlace(i) ? 1 : 0;
     }
     EXPECT_GE(moved, 2 * 41 * 41) << "face " << face;
     // Each run of moved points touches a page more than it fills.
