@@ -28,6 +28,16 @@ struct OuterEdge
   int side = 0;
 };
 
+/// Calls visit(edge) for the four edges of a quadrilateral.
+template <typename Visit>
+void forOuterEdges(const OuterQuad& at, const Visit& visit)
+{
+  for (int e = 0; e < 4; ++e)
+  {
+    visit(OuterEdge{ at, e / 2, e % 2 });
+  }
+}
+
 /// A quadrilateral and the cell behind it. Plain memory, so that ranks can send it.
 struct OuterCell
 {
