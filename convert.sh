@@ -14,4 +14,4 @@ if [ ! -e "$root/build/CMakeCache.txt" ]; then
 fi
 cmake --build "$root/build"
 
-exec xvfb-run -a pvpython "$root/Examples/convert.py" "$@"
+exec python3 "$root/Filters/Python/display.py" pvpython "$root/Examples/convert.py" "$@"

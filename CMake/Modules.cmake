@@ -62,7 +62,7 @@ if (BSPLINEVOLUME_WRAP_PYTHON)
     "from .volume import Block, Volume, convert, read\n\n"
     "__version__ = \"${PROJECT_VERSION}\"\n")
   file(GENERATE OUTPUT "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/__init__.py" CONTENT "${init}")
-  set(bsv_python_files __main__.py pipeline.py report.py volume.py)
+  set(bsv_python_files __main__.py display.py pipeline.py report.py volume.py)
   foreach (file IN LISTS bsv_python_files)
     configure_file("${PROJECT_SOURCE_DIR}/Filters/Python/${file}"
       "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/${file}" COPYONLY)

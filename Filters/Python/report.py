@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One HTML file about a conversion: verdict, pictures as in ParaView's window, tables, settings."""
 import base64
+import contextlib
 import html
 import json
 import os
@@ -13,6 +14,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 import bsplinevolume as bsv
+from bsplinevolume.display import display
 
 STYLE = """
 body { font: 15px/1.45 sans-serif; color: #222; max-width: 1100px; margin: 2em auto; padding: 0 1em }
@@ -91,13 +93,12 @@ def _pictures(folder, mesh, body, properties):
     own = any(getattr(bsv, name)().CanReadFile(mesh) for name in bsv.pipeline.MESH_READERS)
     command = [program, script, os.path.abspath(mesh), str(int(own)), os.path.abspath(body) if body else "-", folder, plugin,
                json.dumps(properties)]
-    if not os.environ.get("DISPLAY"):
-        if shutil.which("xvfb-run") is None:
-            return "there is no display and no xvfb-run"
-        # Without -noreset the X server restarts, and refuses clients, each time its last client has gone.
-        command = ["xvfb-run", "-a", "--server-args=-screen 0 1600x1200x24 -noreset"] + command
-    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONHOME",)}
-    result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment)
+    try:
+        with contextlib.nullcontext(dict(os.environ)) if os.environ.get("DISPLAY") else display() as environment:
+            environment.pop("PYTHONHOME", None)
+            result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment)
+    except OSError as error:
+        return "there is no display, and " + str(error)
     if result.returncode != 0:
         return "pvpython ended with status %d: %s" % (result.returncode, (result.stdout.strip().splitlines() or [""])[-1])
     return ""
