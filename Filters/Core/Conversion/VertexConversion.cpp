@@ -307,6 +307,35 @@ void convertAnchored(const ConversionContext& context, Star& star)
   }
 }
 
+/// Turns the edges of a singular node into an affine star: face and block points move with the edges that span them.
+void makeAffine(Star& star, const std::vector<Vec3>& slopes)
+{
+  const std::vector<Vec3> before = star.edgePoints;
+  for (std::size_t e = 0; e < star.edges.size(); ++e)
+  {
+    star.edgePoints[e] = insertMask(star.center, star.center + slopes[e], star.near[e]);
+  }
+  OrderFreeSum sum;
+  const auto moved = [&](const Vec3& point, const auto& edges) {
+    sum.clear();
+    sum.add(1.0, point);
+    for (const int e : edges)
+    {
+      sum.add(1.0, star.edgePoints[e]);
+      sum.add(-1.0, before[e]);
+    }
+    return sum.result(1.0);
+  };
+  for (std::size_t f = 0; f < star.faces.size(); ++f)
+  {
+    star.facePoints[f] = moved(star.facePoints[f], star.faces[f].edges);
+  }
+  for (std::size_t b = 0; b < star.blocks.size(); ++b)
+  {
+    star.blockPoints[b] = moved(star.blockPoints[b], star.blocks[b].edges);
+  }
+}
+
 void writeStar(const ConversionContext& context, const Star& star)
 {
   for (std::size_t b = 0; b < star.blocks.size(); ++b)
@@ -355,6 +384,7 @@ void writeStar(const ConversionContext& context, const Star& star)
 bool convertVertex(const ConversionContext& context, int vertex)
 {
   bool singular = false;
+  std::vector<Vec3> slopes;
   Star star = makeStar(context, vertex);
   if (star.boundary)
   {
@@ -380,9 +410,16 @@ bool convertVertex(const ConversionContext& context, int vertex)
     {
       singular = true;
       star.rule = ControlPointRule::SingularNode;
-      star.center = solidLimitPoint(star);
+      SolidLimit limit = solidLimit(star);
+      star.center = limit.point;
+      slopes = std::move(limit.slopes);
     }
     convertAnchored(context, star);
+    const bool keepsFaces = std::find(star.keptFaces.begin(), star.keptFaces.end(), true) != star.keptFaces.end();
+    if (!slopes.empty() && !keepsFaces)
+    {
+      makeAffine(star, slopes);
+    }
   }
 
   for (std::size_t f = 0; f < star.faces.size(); ++f)

@@ -467,6 +467,61 @@ TEST(Conversion, CountsSingularNodes)
   EXPECT_EQ(convert(ring.mesh()).report.singularNodes, 0);
 }
 
+// Around a node where four blocks meet as in a tetrahedron one linear map takes its four corners to the edges: their
+// sum is 0, whatever the mesh.
+TEST(Conversion, SingularNodesAreAffineStars)
+{
+  for (const double amplitude : { 0.0, 0.06 })
+  {
+    MeshCase ball = meshcases::ball(4, 3);
+    ball.apply([amplitude](const Vec3& x) {
+      return Vec3(x + amplitude * Vec3(std::sin(3.0 * x[1] + 1.0), std::sin(2.0 * x[2]), std::cos(2.0 * x[0] + x[1])));
+    });
+    const Converted converted = convert(ball.mesh());
+    int nodes = 0;
+    for (const ComplexVertex& vertex : converted.complex.vertices)
+    {
+      if (vertex.boundary || vertex.corners.size() != 4)
+      {
+        continue;
+      }
+      ++nodes;
+      std::vector<Vec3> edges;
+      double shape = 1.0;
+      for (const CornerUse& use : vertex.corners)
+      {
+        const BSplineVolume& volume = converted.volumes[use.block];
+        const GridView points(volume.points, { volume.count(0), volume.count(1), volume.count(2) });
+        Ijk corner;
+        for (int d = 0; d < 3; ++d)
+        {
+          corner[d] = cornerSide(use.corner, d) ? volume.count(d) - 1 : 0;
+        }
+        Eigen::Matrix3d frame;
+        for (int d = 0; d < 3; ++d)
+        {
+          Ijk next = corner;
+          next[d] += corner[d] > 0 ? -1 : 1;
+          const Vec3 edge = points(next) - points(corner);
+          frame.col(d) = edge.normalized();
+          if (std::find(edges.begin(), edges.end(), edge) == edges.end())
+          {
+            edges.push_back(edge);
+          }
+        }
+        shape = std::min(shape, std::abs(frame.determinant()));
+      }
+      ASSERT_EQ(edges.size(), 4u);
+      const Vec3 sum = edges[0] + edges[1] + edges[2] + edges[3];
+      const double mean = (edges[0].norm() + edges[1].norm() + edges[2].norm() + edges[3].norm()) / 4.0;
+      EXPECT_LE(sum.norm(), 1e-12 * mean);
+      // Of a regular tetrahedron's edges: 16 / (3 sqrt(27)) = 0.77.
+      EXPECT_GT(shape, 0.6);
+    }
+    EXPECT_EQ(nodes, 8);
+  }
+}
+
 TEST(Conversion, WallSpacingMovesTheFirstLayerOnly)
 {
   for (const double c : { 0.3, 0.9 })

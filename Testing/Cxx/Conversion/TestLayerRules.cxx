@@ -451,5 +451,37 @@ TEST(SingularNode, RegularStarGivesTheTricubicLimit)
   {
     expected += block.point;
   }
-  EXPECT_LE((solidLimitPoint(star) - expected / 216.0).norm(), 1e-14);
+  const SolidLimit limit = solidLimit(star);
+  EXPECT_LE((limit.point - expected / 216.0).norm(), 1e-14);
+
+  // Derivatives of the tricubic B-spline at a knot: half the central difference, [1/6 2/3 1/6] in the other directions.
+  ASSERT_EQ(limit.slopes.size(), 6u);
+  const auto weight = [](int chosen) { return chosen == 0 ? 16.0 : chosen == 1 ? 4.0 : 1.0; };
+  for (int d = 0; d < 3; ++d)
+  {
+    Vec3 derivative = Vec3::Zero();
+    const auto add = [&](const Vec3& point, const std::vector<int>& along) {
+      for (const int edge : along)
+      {
+        if (edge / 2 == d)
+        {
+          derivative += (edge % 2 ? 1.0 : -1.0) * weight(static_cast<int>(along.size()) - 1) / 72.0 * point;
+        }
+      }
+    };
+    for (int e = 0; e < 6; ++e)
+    {
+      add(star.edges[e].point, { e });
+    }
+    for (const auto& face : star.faces)
+    {
+      add(face.point, { face.edges[0], face.edges[1] });
+    }
+    for (const auto& block : star.blocks)
+    {
+      add(block.point, { block.edges[0], block.edges[1], block.edges[2] });
+    }
+    EXPECT_LE((limit.slopes[2 * d + 1] - derivative).norm(), 1e-13);
+    EXPECT_LE((limit.slopes[2 * d] + derivative).norm(), 1e-13);
+  }
 }
