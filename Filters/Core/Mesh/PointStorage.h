@@ -15,8 +15,8 @@ class SparseArray;
 using ChangedPoints = SparseArray<Vec3>;
 
 /// Where the points of a grid are: in memory, as x y z triples of float or double of which some may have been changed
-/// without a copy of the others; or on another rank, and here at most boxes that were fetched (PointExchange.h). It owns
-/// nothing. A place is the number of a point in the grid, i fastest.
+/// without a copy of the others; or on another rank, and here at most boxes that were fetched (PointExchange.h). It
+/// owns nothing. A place is the number of a point in the grid, i fastest.
 class PointStorage
 {
 public:
