@@ -29,10 +29,17 @@ public:
   vtkTypeMacro(vtkBSplineVolumeIsoparametric, vtkPolyDataAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  enum Shapes
+  enum ShapeType
   {
     SURFACES = 0,
     CURVES = 1
+  };
+
+  enum DirectionType
+  {
+    U = 0,
+    V = 1,
+    W = 2
   };
 
   ///@{
@@ -45,9 +52,9 @@ public:
 
   ///@{
   /**
-   * The direction that is constant on surfaces, along which curves run: 0 u, 1 v, 2 w. Default 2.
+   * The direction that is constant on surfaces, along which curves run. Default W.
    */
-  vtkSetClampMacro(Direction, int, 0, 2);
+  vtkSetClampMacro(Direction, int, U, W);
   vtkGetMacro(Direction, int);
   ///@}
 

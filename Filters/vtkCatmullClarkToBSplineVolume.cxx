@@ -10,6 +10,7 @@
 #include "Conversion/Conversion.h"
 #include "Data/BSplineVolumeData.h"
 #include "Data/HexBlockData.h"
+#include "Data/MeshInput.h"
 #include "Data/NURBSSurfaceData.h"
 #include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
@@ -517,14 +518,6 @@ std::vector<std::string> wallSentences(const WallPoints& wall, bool hasBody, con
   return sentences;
 }
 
-/// Whether any block has knots in three directions. Collective.
-bool isVolume(const std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const bsv::Ranks& ranks)
-{
-  return ranks.any(std::any_of(grids.begin(), grids.end(), [](const vtkSmartPointer<vtkStructuredGrid>& grid) {
-    return grid && grid->GetFieldData()->HasArray("KnotsW") != 0;
-  }));
-}
-
 /// What each of several ranks had to do.
 std::string rankText(const bsv::BlockComplex& complex, const std::vector<bsv::Index>& received)
 {
@@ -762,10 +755,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     {
       return;
     }
-    if (isVolume(meshGrids, ranks))
-    {
-      throw bsv::Error("Input is a B-spline volume already; only meshes are converted");
-    }
+    bsv::requireMesh(meshGrids, ranks, "only meshes are converted");
 
     double controlPoints = 0.0;
     for (const bsv::MeshBlock& block : mesh.blocks)
@@ -845,7 +835,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
     options.planarTolerance = this->PlanarTolerance;
     options.twist = static_cast<bsv::Twist>(this->Twist);
     options.wallSpacing = this->WallSpacing;
-    options.automaticWallSpacing = this->WallSpacingMode == GROWTH;
+    options.automaticWallSpacing = this->WallSpacingMode == AUTOMATIC_MODE;
     options.farFieldSpacing = static_cast<bsv::FarFieldSpacing>(this->FarFieldSpacing);
     options.propagationRange = this->PropagationRange;
     options.checkSpans = static_cast<bsv::CheckSpans>(this->CheckSpans);

@@ -87,8 +87,10 @@ public:
   enum WallSpacingModeType
   {
     CONSTANT = 0,
-    GROWTH = 1
+    AUTOMATIC_MODE = 1
   };
+  /// The old name of AUTOMATIC_MODE.
+  static constexpr int GROWTH = 1;
 
   enum FarFieldSpacingType
   {
@@ -276,10 +278,10 @@ public:
 
   ///@{
   /**
-   * CONSTANT (default): WallSpacing everywhere. GROWTH (`Automatic`): the matching value of each wall vertex, g being
+   * CONSTANT (default): WallSpacing everywhere. AUTOMATIC_MODE: the matching value of each wall vertex, g being
    * |p_2 - p_1| / |p_1 - p_0| on the mesh line that rises there.
    */
-  vtkSetClampMacro(WallSpacingMode, int, CONSTANT, GROWTH);
+  vtkSetClampMacro(WallSpacingMode, int, CONSTANT, AUTOMATIC_MODE);
   vtkGetMacro(WallSpacingMode, int);
   ///@}
 

@@ -5,6 +5,7 @@
 #include "Data/BlockTags.h"
 #include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
+#include "Data/MeshInput.h"
 #include "Execution/FilterExecution.h"
 #include "Mesh/BlockSurface.h"
 #include "Mesh/MeshCheck.h"
@@ -306,6 +307,7 @@ int vtkMirrorHexBlocks::RequestData(
     {
       return;
     }
+    bsv::requireMesh(grids, ranks, "mirror the mesh and convert the whole");
     bsv::checkFinitePoints(mesh, run);
     double points = 0.0;
     for (const bsv::MeshBlock& block : mesh.blocks)

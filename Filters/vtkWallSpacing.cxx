@@ -5,6 +5,7 @@
 #include "Data/BlockTags.h"
 #include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
+#include "Data/MeshInput.h"
 #include "Data/Verdict.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
@@ -303,6 +304,7 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
     {
       return;
     }
+    bsv::requireMesh(meshGrids, ranks, "give Wall Spacing the mesh that the conversion gets");
     bsv::BlockComplexOptions complexOptions;
     complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
     const bsv::BlockComplex complex =

@@ -30,7 +30,7 @@ struct UnitEntry
   double metres;
 };
 
-/// In the order of vtkNURBSSurfaceReader::Unit.
+/// In the order of vtkNURBSSurfaceReader::LengthUnitType.
 constexpr UnitEntry Units[] = { { "as in file", 0.0 }, { "metre", 1.0 }, { "centimetre", 1e-2 }, { "millimetre", 1e-3 },
   { "micrometre", 1e-6 }, { "kilometre", 1e3 }, { "inch", 0.0254 }, { "foot", 0.3048 } };
 

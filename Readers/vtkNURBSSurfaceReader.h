@@ -43,9 +43,10 @@ public:
   /**
    * Units of length. The first value means: the one the file declares.
    */
-  enum Unit
+  enum LengthUnitType
   {
     AS_IN_FILE = 0,
+    AS_DECLARED = AS_IN_FILE,
     METRE,
     CENTIMETRE,
     MILLIMETRE,
@@ -68,9 +69,9 @@ public:
   ///@{
   /**
    * Unit of the numbers in the file, for files that declare none (BREP, .g2) or a wrong one. Counts only if LengthUnit
-   * is not AS_IN_FILE. Default: AS_IN_FILE, the one that the file declares.
+   * is not AS_IN_FILE. Default: AS_DECLARED, the one that the file declares.
    */
-  vtkSetClampMacro(FileUnit, int, AS_IN_FILE, FOOT);
+  vtkSetClampMacro(FileUnit, int, AS_DECLARED, FOOT);
   vtkGetMacro(FileUnit, int);
   ///@}
 

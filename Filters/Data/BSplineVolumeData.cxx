@@ -35,7 +35,8 @@ std::vector<double> fieldValues(
   const std::string what = "field data array '" + std::string(name) + "'";
   if (!array)
   {
-    throw Error(label + " has no " + what + " of numbers; it is no B-spline volume");
+    throw Error(label + " has no " + what +
+      " of numbers; it is no B-spline volume: CatmullClark To BSpline Volume makes one of a mesh");
   }
   if (static_cast<std::size_t>(array->GetNumberOfValues()) != expected)
   {

@@ -15,17 +15,31 @@ class Error(RuntimeError):
     """What a reader, filter or writer reports, in its own words."""
 
 
-def words_of(algorithm, name):
-    """The words of an enumerated property and their numbers: {"ExactG1": 1, ..}; empty for other properties."""
+def _constants(algorithm, name):
+    """The constants of an enumerated property, {"EXACT_G1": 1, ..}; empty for other properties."""
     kind = type(algorithm)
-    enumeration = next((getattr(kind, name + "Type") for kind in kind.__mro__ if hasattr(kind, name + "Type")), None)
-    if enumeration is None:
-        return {}
-    # SPAN_CHECK and CHECK_ALL of CheckSpansType: the name of the property is no part of the words.
-    members = {word: int(value) for word, value in vars(kind).items() if isinstance(value, enumeration)}
-    first = os.path.commonprefix(list(members)).rpartition("_")[0] if len(members) > 1 else ""
-    return {"".join(part if part in ("ACC", "PCCM", "G1") else part.capitalize()
-                    for part in word[len(first):].strip("_").split("_")): value for word, value in members.items()}
+    enumeration = getattr(kind, {"FileUnit": "LengthUnit"}.get(name, name) + "Type", None)
+    return {} if enumeration is None else {
+        word: int(value) for one in kind.__mro__ for word, value in vars(one).items() if isinstance(value, enumeration)}
+
+
+def words_of(algorithm, name):
+    """The words of an enumerated property and their numbers, as in ParaView's panel: {"ExactG1": 1, ..}; empty for
+    other properties."""
+    members = _constants(algorithm, name)
+    # The name of the property is no part of the words: CHECK_ALL of CheckSpans, LITTLE_ENDIAN_ORDER of ByteOrder,
+    # UNIT_KNOTS of KnotScaling.
+    whole = name.upper()
+    parts = {}
+    for constant in members:
+        word = constant.split("_")
+        tails = ["".join(word[n:]) for n in range(1, len(word))]
+        parts[constant] = word[:next((n for n, tail in enumerate(tails, 1)
+                                      if whole.endswith(tail) or whole.startswith(tail.rstrip("S"))), None)]
+    while len(parts) > 1 and len({word[0] for word in parts.values()}) == 1:
+        parts = {constant: word[1:] for constant, word in parts.items()}
+    return {"".join(part if part in ("ACC", "PCCM", "G1", "ASCII") else part.capitalize() for part in word):
+            members[constant] for constant, word in parts.items()}
 
 
 def property_names(algorithm):
@@ -67,9 +81,12 @@ def set_properties(algorithm, properties):
         words = words_of(algorithm, name)
         if isinstance(value, str) and words:
             plain = re.sub(r"\W|_", "", value).lower()
-            if plain not in map(str.lower, words):
+            # Also by the names of the constants.
+            known = {word.replace("_", "").lower(): number for word, number in _constants(algorithm, name).items()}
+            known.update((word.lower(), number) for word, number in words.items())
+            if plain not in known:
                 raise Error(f"{name} is {' or '.join(words)}, not {value}")
-            value = next(number for word, number in words.items() if word.lower() == plain)
+            value = known[plain]
         try:
             setter(*value) if isinstance(value, (list, tuple)) else setter(value)
         except TypeError as error:

@@ -307,6 +307,9 @@ def test_progress_and_abort():
 def test_errors():
     for value in (0, 1, -1, float("nan")):
         assert f"Wall Spacing {value} is not" in failure(conversion(DEMO, WallSpacing=value))
+    volume = conversion(DEMO)
+    for of_meshes in (simple.CatmullClarkToBSplineVolume, simple.MirrorHexBlocks, simple.WallSpacing):
+        assert "Input is a B-spline volume already" in failure(of_meshes(Input=volume))
     assert "Planar Tolerance -1 is not" in failure(conversion(DEMO, PlanarTolerance=-1))
     assert "Propagation Range -1 is not" in failure(conversion(DEMO, PropagationRange=-1))
     assert "Match Tolerance 0 is not" in failure(conversion(DEMO, MatchTolerance=0))

@@ -127,7 +127,7 @@ def test_options_that_name_faces():
 
     def setup(convert):
         convert.SetInputPoints(convert.ON_BODY)
-        convert.SetWallSpacingMode(convert.GROWTH)
+        convert.SetWallSpacingMode(convert.AUTOMATIC_MODE)
         convert.SetPlanarSides(convert.ALL)
         convert.ClearBodyBoundaries()
         for block, face in sorted(faces):

@@ -3,11 +3,13 @@
 digits that matter, and nothing that differs between two equal objects or from run to run."""
 import glob
 import os
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
+from bsplinevolume.pipeline import set_properties, words_of
 from bsv_support import ROOT, main, vtk
 
 
@@ -75,6 +77,33 @@ def test_equal_objects_print_the_same():
         first, second = own_text(cls()), own_text(cls())
         assert first == second, (name, first, second)
         assert not any("0x" in line for line in first), (name, first)
+
+
+def test_words_are_those_of_the_panel():
+    """One word per thing: what ParaView shows of an enumeration is what Python and the command take."""
+    found = 0
+    for name, proxy in proxies():
+        for prop in proxy:
+            entries = {re.sub(r"\W", "", entry.get("text")).lower(): int(entry.get("value"))
+                       for entry in prop.iter("Entry")}
+            if entries:
+                algorithm = getattr(bsplinevolume, name)()
+                words = {word.lower(): number for word, number in words_of(algorithm, prop.get("name")).items()}
+                assert entries.items() <= words.items(), (name, prop.get("name"), entries, words)
+                assert set(entries.values()) == set(words.values()), (name, prop.get("name"), entries, words)
+                for entry in prop.iter("Entry"):
+                    set_properties(algorithm, {prop.get("name"): entry.get("text")})
+                    assert getattr(algorithm, "Get" + prop.get("name"))() == int(entry.get("value"))
+                found += 1
+    assert found > 15
+
+
+def test_old_words():
+    for name, prop, word, number in (("vtkHexBlockMeshReader", "IBlank", "WithoutIblank", 1),
+                                     ("vtkQuadflowWriter", "KnotScaling", "UnitKnots", 1)):
+        algorithm = getattr(bsplinevolume, name)()
+        set_properties(algorithm, {prop: word})
+        assert getattr(algorithm, "Get" + prop)() == number
 
 
 if __name__ == "__main__":
