@@ -53,28 +53,12 @@ std::array<double, 2> range(const bsv::BSplineVolume& volume, int direction)
   return { knots[volume.degree[direction]], knots[knots.size() - 1 - volume.degree[direction]] };
 }
 
-/// Those of the samples of faceGeometry().
-std::vector<double> parameters(const bsv::BSplineVolume& volume, int direction, int parts)
-{
-  std::vector<double> result;
-  const std::vector<double>& knots = volume.knots[direction];
-  for (const int span : bsv::nonEmptySpans(volume.degree[direction], knots))
-  {
-    for (int j = 0; j < parts; ++j)
-    {
-      result.push_back(knots[span] + (knots[span + 1] - knots[span]) * j / parts);
-    }
-  }
-  result.push_back(range(volume, direction)[1]);
-  return result;
-}
-
 /// Points of both volumes at equal parameters of a face, after and before; the first axis of the face fastest.
-std::array<std::vector<Vec3>, 2> facePoints(
-  const bsv::BSplineVolume& after, const bsv::BSplineVolume& before, int face, int parts, const bsv::Execution& run)
+std::array<std::vector<Vec3>, 2> facePoints(const bsv::BSplineVolume& after, const bsv::BSplineVolume& before, int face,
+  const std::array<std::vector<double>, 2>& parameters, const bsv::Execution& run)
 {
   const int along[2] = { bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
-  const std::vector<double> s = parameters(after, along[0], parts), t = parameters(after, along[1], parts);
+  const auto& [s, t] = parameters;
   std::array<std::vector<Vec3>, 2> points;
   points[0].resize(s.size() * t.size());
   points[1].resize(s.size() * t.size());
@@ -222,18 +206,19 @@ bsv::SmoothnessResult joinsOf(const bsv::BSplineVolumeBlocks& volume, const std:
   return bsv::measureSmoothness(volume.volumes, interfaces, options, run);
 }
 
-/// Blocks, faces and edges of both sides.
-using JoinKey = std::array<int, 6>;
+/// Blocks, faces and edges of both sides, and whether it is inside a block.
+using JoinKey = std::array<int, 7>;
 
 JoinKey keyOf(const bsv::Join& join)
 {
   const auto& [a, b] = join.sides;
-  const JoinKey key{ a.block, a.face, a.edge, b.block, b.face, b.edge };
-  const JoinKey turned{ b.block, b.face, b.edge, a.block, a.face, a.edge };
+  const int inner = join.inner() ? 1 : 0;
+  const JoinKey key{ a.block, a.face, a.edge, b.block, b.face, b.edge, inner };
+  const JoinKey turned{ b.block, b.face, b.edge, a.block, a.face, a.edge, inner };
   return std::min(key, turned);
 }
 
-/// A join in both volumes.
+/// A join in both volumes, with all its parts.
 struct Change
 {
   double before, after;
@@ -252,20 +237,31 @@ double jumpOf(const bsv::Join& join)
 std::vector<Change> changes(
   const bsv::SmoothnessResult& after, const bsv::SmoothnessResult& before, const std::vector<std::string>& names)
 {
-  std::map<JoinKey, const bsv::Join*> old;
-  for (const bsv::Join& join : before.joins)
-  {
-    old[keyOf(join)] = &join;
-  }
+  const auto worstOf = [](const bsv::SmoothnessResult& result) {
+    std::map<JoinKey, std::pair<double, bsv::JoinClass>> worst;
+    for (const bsv::Join& join : result.joins)
+    {
+      const auto [found, isNew] = worst.emplace(keyOf(join), std::pair(jumpOf(join), bsv::classifyJoin(join).of));
+      if (!isNew)
+      {
+        found->second.first = std::max(found->second.first, jumpOf(join));
+        found->second.second = std::min(found->second.second, bsv::classifyJoin(join).of);
+      }
+    }
+    return worst;
+  };
+  const auto old = worstOf(before);
+  auto now = worstOf(after);
   std::vector<Change> list;
   for (const bsv::Join& join : after.joins)
   {
     const auto found = old.find(keyOf(join));
-    if (found != old.end())
+    const auto here = now.find(keyOf(join));
+    if (found != old.end() && here != now.end())
     {
-      list.push_back(
-        { jumpOf(*found->second), jumpOf(join), names[join.sides[0].block] + " / " + names[join.sides[1].block],
-          bsv::classifyJoin(*found->second).of, bsv::classifyJoin(join).of });
+      list.push_back({ found->second.first, here->second.first, bsv::blocksText(join, names), found->second.second,
+        here->second.second });
+      now.erase(here);
     }
   }
   std::stable_sort(list.begin(), list.end(),
@@ -327,6 +323,11 @@ public:
     {
       for (vtkIdType s = 0; s + 1 < ns; ++s)
       {
+        if (after.parameters[0][s] == after.parameters[0][s + 1] ||
+          after.parameters[1][t] == after.parameters[1][t + 1])
+        {
+          continue;
+        }
         const vtkIdType p = first + s + ns * t;
         this->Quads->InsertNextCell({ p, p + 1, p + 1 + ns, p + ns });
       }
@@ -489,8 +490,8 @@ int vtkBSplineVolumeDifference::RequestData(
         hasWall[b] = true;
         if (after.isHere(b))
         {
-          const auto geometry = bsv::faceGeometry(after.volumes[b], face, this->SamplesPerSpan, here);
-          const auto points = facePoints(after.volumes[b], before.volumes[b], face, this->SamplesPerSpan, here);
+          const auto geometry = bsv::faceGeometry(after.volumes[b], face, this->SamplesPerSpan, here, 0, true);
+          const auto points = facePoints(after.volumes[b], before.volumes[b], face, geometry.parameters, here);
           builder.add(geometry, points);
           for (std::size_t n = 0; n < points[0].size(); ++n)
           {

@@ -308,7 +308,7 @@ void setParts(vtkPartitionedDataSetCollection* output, const std::vector<vtkSmar
 
 const char* kindOf(const bsv::Join& join)
 {
-  return !join.border() ? "interface" : join.crease ? "crease" : "wall border";
+  return !join.border() ? (join.inner() ? "repeated knot" : "interface") : join.crease ? "crease" : "wall border";
 }
 
 /// What a row of a list says of a join.
@@ -324,8 +324,8 @@ Row rowOf(const bsv::Join& join, const std::vector<std::string>& names)
   const bool angle = kind == JumpKind::Layer || kind == JumpKind::NormalS;
   const std::string what = kindOf(join);
   return { bsv::joinClassName(classified.of), what == classified.reason ? what : what + ", " + classified.reason,
-    names[join.sides[0].block] + " / " + names[join.sides[1].block],
-    bsv::shortNumber(join.worst[int(kind)].value) + (angle ? " degrees" : ""), measureName(kind) };
+    bsv::blocksText(join, names), bsv::shortNumber(join.worst[int(kind)].value) + (angle ? " degrees" : ""),
+    measureName(kind) };
 }
 
 /// A point of a line with the jump that is shown.
@@ -655,17 +655,23 @@ std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std:
   {
     std::map<bsv::JoinContinuity, int> counts;
     int joins = 0;
+    int inner = 0;
     int creases = 0;
     for (const bsv::Join& join : result.joins)
     {
       if (join.border() == border)
       {
         ++joins;
+        inner += join.inner() ? 1 : 0;
         creases += join.crease ? 1 : 0;
         counts[join.continuity] += join.crease ? 0 : 1;
       }
     }
     text << joins << (border ? " wall borders" : " interfaces");
+    if (inner > 0)
+    {
+      text << " (" << inner << " inside blocks, at repeated knots)";
+    }
     const char* separator = ": ";
     for (const auto& [continuity, count] : counts)
     {
@@ -694,10 +700,9 @@ std::string reportOf(const bsv::SmoothnessResult& result, const std::vector<std:
   {
     const bsv::Join& join = result.joins[result.ranking.front()];
     const bsv::JumpMaximum& jump = join.worst[int(join.rankedBy())];
-    text << "worst of all, expected or not: " << kindOf(join) << ' ' << names[join.sides[0].block] << '|'
-         << names[join.sides[1].block] << ", " << bsv::continuityName(join.continuity) << ", "
-         << measureName(join.rankedBy()) << ' ' << jump.value << " at " << jump.point[0] << ' ' << jump.point[1] << ' '
-         << jump.point[2] << '\n';
+    text << "worst of all, expected or not: " << kindOf(join) << ' ' << bsv::blocksText(join, names) << ", "
+         << bsv::continuityName(join.continuity) << ", " << measureName(join.rankedBy()) << ' ' << jump.value << " at "
+         << jump.point[0] << ' ' << jump.point[1] << ' ' << jump.point[2] << '\n';
   }
   return text.str();
 }
@@ -846,9 +851,12 @@ int vtkBSplineVolumeSmoothness::RequestData(
     fillList(output.list, this->JoinList, result, input,
       all ? Eigen::AlignedBox3d() : bsv::faceBounds(input, wall, *bsv::globalRanks()), *bsv::globalRanks());
     const bsv::Execution sides = bsv::filterExecution(this, 0.7, 0.9);
-    for (std::size_t n = 0; n < interfaces.size(); ++n)
+    const auto borders =
+      std::find_if(result.joins.begin(), result.joins.end(), [](const bsv::Join& join) { return join.border(); });
+    const std::size_t count = borders - result.joins.begin();
+    for (std::size_t n = 0; n < count; ++n)
     {
-      sides.report(static_cast<double>(n) / static_cast<double>(interfaces.size()));
+      sides.report(static_cast<double>(n) / static_cast<double>(count));
       bsv::Join& join = result.joins[n];
       surfaces.push_back(input.isHere(join.sides[0].block)
           ? interfaceSurface(join, static_cast<int>(n), this->SamplesPerSpan)
@@ -891,8 +899,8 @@ int vtkBSplineVolumeSmoothness::RequestData(
       output.interfaces->GetFieldData()->AddArray(
         filled<vtkDoubleArray>(std::string("Maximum") + measure.name, 1, *totals[m]));
     }
-    this->NumberOfInterfaces = static_cast<int>(interfaces.size());
-    this->NumberOfWallBorders = static_cast<int>(result.joins.size() - interfaces.size());
+    this->NumberOfInterfaces = static_cast<int>(count);
+    this->NumberOfWallBorders = static_cast<int>(result.joins.size() - count);
     this->NumberOfExtraordinaryCurves = static_cast<int>(result.curves.size());
     const std::string text = verdictText(result, input.names);
     bsv::setText(output.verdict, text);

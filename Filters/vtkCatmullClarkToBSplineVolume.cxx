@@ -8,6 +8,7 @@
 #include "Complex/EntityClass.h"
 #include "Complex/MeshDoctor.h"
 #include "Conversion/Conversion.h"
+#include "Conversion/JoinedBlocks.h"
 #include "Data/BSplineVolumeData.h"
 #include "Data/HexBlockData.h"
 #include "Data/MeshInput.h"
@@ -43,6 +44,7 @@
 #include <memory>
 #include <optional>
 #include <sstream>
+#include <tuple>
 
 vtkStandardNewMacro(vtkCatmullClarkToBSplineVolume);
 
@@ -90,6 +92,16 @@ std::string faceList(const bsv::BlockMesh& mesh, const std::vector<std::array<in
   return text + (faces.size() > Most ? "; ..." : "");
 }
 
+/// The control point nearest to mesh point i of a direction, at knot i: point i + 1 with single knots.
+int controlPointAt(const std::vector<double>& knots, int cells, int i)
+{
+  const auto [first, last] = std::equal_range(knots.begin(), knots.end(), static_cast<double>(i));
+  const int multiplicity = static_cast<int>(last - first);
+  return i == 0  ? 0
+    : i == cells ? static_cast<int>(knots.size()) - 5
+                 : static_cast<int>(first - knots.begin()) - 3 + (multiplicity + 2) / 2;
+}
+
 /// The crease lines of a mesh in the control nets of its converted blocks, which may be pieces of those of the mesh:
 /// each piece gets the part that lies in it.
 std::vector<bsv::CreaseLine> creasesOfNets(const std::vector<bsv::CreaseLine>& creases,
@@ -117,12 +129,8 @@ std::vector<bsv::CreaseLine> creasesOfNets(const std::vector<bsv::CreaseLine>& c
         const int last = std::min(upper - block.offset[d], cells);
         inside = inside && first <= last;
         isLine = isLine || first < last;
-        // Mesh point i is control point i + 1 of the net, but for the two ends; more where knots were inserted.
-        const int count = static_cast<int>(knots[b][d].size()) - 4;
-        const int shift = (count - cells - 1) / 2;
-        const auto position = [&](int i) { return i == 0 ? 0 : i == cells ? count - 1 : i + shift; };
-        line.from[d] = position(first);
-        line.to[d] = position(last);
+        line.from[d] = controlPointAt(knots[b][d], cells, first);
+        line.to[d] = controlPointAt(knots[b][d], cells, last);
       }
       if (inside && isLine)
       {
@@ -227,6 +235,69 @@ struct Conversion
   bsv::ConversionReport counts;
   bsv::WallMotion motion;
 };
+
+/// Joins the pieces that creases alone made. Collective.
+void joinBlocks(Conversion& conversion, const std::vector<bsv::ControlNetStorage>& storage, const bsv::Ranks& ranks)
+{
+  bsv::JoinedBlocks joined = bsv::joinPieces(conversion.complex);
+  std::vector<std::array<std::vector<double>, 3>> knots(joined.blocks.size());
+  std::vector<vtkSmartPointer<vtkStructuredGrid>> nets(joined.blocks.size());
+  bsv::RuleCounts counts{};
+  for (std::size_t b = 0; b < nets.size(); ++b)
+  {
+    const bsv::JoinedBlock& block = joined.blocks[b];
+    for (int d = 0; d < 3; ++d)
+    {
+      knots[b][d] = bsv::joinedKnots(block, d, conversion.knots);
+    }
+    if (!conversion.nets[block.pieces[0]])
+    {
+      continue;
+    }
+    bsv::ControlNetStorage net = storage[block.pieces[0]];
+    if (block.pieces.size() == 1)
+    {
+      nets[b] = conversion.nets[block.pieces[0]];
+    }
+    else
+    {
+      nets[b] = controlNet(joined.complex.blocks[b], knots[b], net);
+      bsv::joinNets(block, conversion.knots, storage, net);
+      for (const int piece : block.pieces)
+      {
+        conversion.nets[piece] = nullptr;
+      }
+    }
+    for (vtkIdType n = 0; n < nets[b]->GetNumberOfPoints(); ++n)
+    {
+      ++counts[net.rules[n]];
+    }
+  }
+  conversion.counts.controlPoints = {};
+  for (const bsv::RuleCounts& ofRank : ranks.gatherAll(std::vector<bsv::RuleCounts>{ counts }))
+  {
+    for (std::size_t rule = 0; rule < ofRank.size(); ++rule)
+    {
+      conversion.counts.controlPoints[rule] += ofRank[rule];
+    }
+  }
+  auto& left = conversion.counts.spans.left;
+  for (bsv::SpanReport::Place& place : left)
+  {
+    const bsv::Ijk& offset = conversion.complex.blocks[place.block].offset;
+    place.block = joined.blockOf[place.block];
+    for (int d = 0; d < 3; ++d)
+    {
+      place.cell[d] += offset[d] - joined.complex.blocks[place.block].offset[d];
+    }
+  }
+  std::sort(left.begin(), left.end(), [](const bsv::SpanReport::Place& a, const bsv::SpanReport::Place& b) {
+    return std::tie(a.block, a.cell[2], a.cell[1], a.cell[0]) < std::tie(b.block, b.cell[2], b.cell[1], b.cell[0]);
+  });
+  conversion.complex = std::move(joined.complex);
+  conversion.nets = std::move(nets);
+  conversion.knots = std::move(knots);
+}
 
 std::string pointText(const bsv::Vec3& x)
 {
@@ -352,6 +423,7 @@ std::string reportText(const bsv::BlockComplex& complex, const bsv::EntityClasse
       text << note << '\n';
     }
   }
+  text << complex.creaseNote << (complex.creaseNote.empty() ? "" : "\n");
   text << wallPoints.report;
   for (const auto& [valence, count] : classes.extraordinaryCurves)
   {
@@ -948,6 +1020,10 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
         convert(this->RepairSpans, false);
       }
       result.motion = bsv::wallMotion(unfitted, complex, options, rules, part(1.0, 1.0));
+      if (this->CreasesInsideBlocks == REPEATED_KNOTS)
+      {
+        joinBlocks(result, storage, ranks);
+      }
     };
     const double end = this->CheckJoins ? 0.8 : 1.0;
     Conversion result;
@@ -1126,6 +1202,7 @@ void vtkCatmullClarkToBSplineVolume::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "UseCreaseAngle: " << (this->UseCreaseAngle ? "On" : "Off") << '\n';
   os << indent << "CreaseAngle: " << this->CreaseAngle << '\n';
   os << indent << "CreaseContrast: " << this->CreaseContrast << '\n';
+  os << indent << "CreasesInsideBlocks: " << this->CreasesInsideBlocks << '\n';
   os << indent << "PlanarSides: " << this->PlanarSides << '\n';
   os << indent << "PlanarTolerance: " << this->PlanarTolerance << '\n';
   os << indent << "Twist: " << this->Twist << '\n';

@@ -21,7 +21,8 @@
  *
  * Output: a vtkPartitionedDataSetCollection with a flat assembly, per block one vtkStructuredGrid of
  * (I+3) x (J+3) x (K+3) control points in double precision. Blocks are cut where an interface covers part of a face or
- * a crease runs inside one, so there can be more blocks than in the input. Of every block:
+ * a crease runs inside one (unless CreasesInsideBlocks puts repeated knots there), so there can be more blocks than in
+ * the input. Of every block:
  * - field data `Degree` (int: 3, 3, 3), `KnotsU`, `KnotsV`, `KnotsW` (double, {0,0,0,0,1,..,I-1,I,I,I,I}),
  *   `ParentBlock` (int: input block) and `ParentOffset` (int, 3 values: mesh point of the input block at which the
  *   piece starts);
@@ -221,6 +222,22 @@ public:
    */
   vtkSetMacro(CreaseContrast, double);
   vtkGetMacro(CreaseContrast, double);
+  ///@}
+
+  enum CreasesInsideBlocksType
+  {
+    CUT_BLOCKS,
+    REPEATED_KNOTS
+  };
+
+  ///@{
+  /**
+   * What becomes of a block inside which a crease runs: it is cut there, and so are its neighbours (CUT_BLOCKS,
+   * default), or it stays whole, with a knot of multiplicity 3 in the place of each cut (REPEATED_KNOTS). The shape is
+   * the same. Contacts and borders of named boundaries that cover part of a face cut blocks in any case.
+   */
+  vtkSetClampMacro(CreasesInsideBlocks, int, CUT_BLOCKS, REPEATED_KNOTS);
+  vtkGetMacro(CreasesInsideBlocks, int);
   ///@}
 
   ///@{
@@ -472,6 +489,7 @@ private:
   bool UseCreaseAngle = false;
   double CreaseAngle = 30.0;
   double CreaseContrast = 7.0;
+  int CreasesInsideBlocks = CUT_BLOCKS;
   int PlanarSides = FAR_FIELD;
   double PlanarTolerance = 1e-6;
   int Twist = SECOND_FUNDAMENTAL_FORM;

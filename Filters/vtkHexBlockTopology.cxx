@@ -598,6 +598,7 @@ int vtkHexBlockTopology::RequestData(
     {
       report << note << '\n';
     }
+    report << complex.creaseNote << (complex.creaseNote.empty() ? "" : "\n");
     for (const auto& [valence, count] : classes.extraordinaryCurves)
     {
       const int tuple[2] = { valence, static_cast<int>(count) };

@@ -56,8 +56,7 @@ JoinVerdict joinVerdict(vtkDataObject* volume, const std::vector<bool>& wall, co
       const JumpMaximum& jump = join.worst[static_cast<int>(join.rankedBy())];
       const bool isGap = join.rankedBy() == JumpKind::Gap;
       verdict.worst = shortNumber(jump.value) + (isGap ? " wide" : " degrees") + " at " + shortNumber(jump.point[0]) +
-        ' ' + shortNumber(jump.point[1]) + ' ' + shortNumber(jump.point[2]) + ", " + blocks.names[join.sides[0].block] +
-        " / " + blocks.names[join.sides[1].block];
+        ' ' + shortNumber(jump.point[1]) + ' ' + shortNumber(jump.point[2]) + ", " + blocksText(join, blocks.names);
     }
   }
   run.report(1.0);

@@ -13,6 +13,7 @@
 #include "Volume/ControlPointRule.h"
 #include "Volume/FaceGeometry.h"
 #include "Volume/VolumeInterfaces.h"
+#include "Volume/VolumeParts.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -88,6 +89,8 @@ struct Curve
   int block;
   int edge;
   std::array<double, 3> color;
+  /// Empty: those of the edge.
+  std::vector<Vec3> points;
 };
 
 struct Node
@@ -345,6 +348,11 @@ public:
     {
       for (int s = 0; s + 1 < ns; ++s)
       {
+        const vtkIdType source = cell(s, t);
+        if (source < 0)
+        {
+          continue;
+        }
         const vtkIdType p = first + s + vtkIdType(ns) * t;
         if (against)
         {
@@ -355,7 +363,7 @@ public:
           this->Quads->InsertNextCell({ p, p + 1, p + 1 + ns, p + ns });
         }
         this->Boundary->InsertNextValue(tag);
-        this->SourceCell->InsertNextValue(cell(s, t));
+        this->SourceCell->InsertNextValue(source);
       }
     }
   }
@@ -616,12 +624,12 @@ Model meshModel(const BlockComplex& complex, const Ranks& ranks)
     model.innerEdges.push_back({ use.block, use.edge });
     if (edge.extraordinary())
     {
-      model.curves.push_back({ use.block, use.edge, valenceColor(edge.valence()) });
+      model.curves.push_back({ use.block, use.edge, valenceColor(edge.valence()), {} });
       ++model.valences[edge.valence()];
     }
     else if (edge.crease)
     {
-      model.curves.push_back({ use.block, use.edge, CreaseColor });
+      model.curves.push_back({ use.block, use.edge, CreaseColor, {} });
     }
   }
   const EntityClasses classes = classifyEntities(complex);
@@ -640,19 +648,24 @@ Model meshModel(const BlockComplex& complex, const Ranks& ranks)
 // Volumes
 //------------------------------------------------------------------------------
 
-/// Whether the control points of a block edge, without its ends, are all made by crease or corner rules.
-bool taggedCrease(const BSplineVolume& volume, const unsigned char* rules, int edge)
+/// Whether the control points of an edge of a part of a block, without its ends, are all made by crease or corner
+/// rules.
+bool taggedCrease(const BSplineVolumeBlocks& input, const VolumeParts& parts, int part, int edge)
 {
+  const unsigned char* rules = input.rules[parts.blocks[part]];
   if (!rules)
   {
     return false;
   }
+  const BSplineVolume &volume = parts.volumes[part], &whole = input.volumes[parts.blocks[part]];
+  const Ijk& first = parts.first[part];
   const int along = edgeDirection(edge);
   Ijk ijk = cornerPoint({ volume.count(0) - 1, volume.count(1) - 1, volume.count(2) - 1 }, edgeCorner(edge, 0));
   for (int n = 1; n + 1 < volume.count(along); ++n)
   {
     ijk[along] = n;
-    const unsigned char rule = rules[ijk[0] + Index(volume.count(0)) * (ijk[1] + Index(volume.count(1)) * ijk[2])];
+    const unsigned char rule = rules[first[0] + ijk[0] +
+      Index(whole.count(0)) * (first[1] + ijk[1] + Index(whole.count(1)) * (first[2] + ijk[2]))];
     if (rule != static_cast<unsigned char>(ControlPointRule::Crease) &&
       rule != static_cast<unsigned char>(ControlPointRule::Corner))
     {
@@ -692,7 +705,7 @@ Model volumeModel(const BSplineVolumeBlocks& input, const SharedEntities& shared
     }
     if (!edge.boundary && edge.uses != 4)
     {
-      model.curves.push_back({ edge.block, edge.edge, valenceColor(edge.uses) });
+      model.curves.push_back({ edge.block, edge.edge, valenceColor(edge.uses), {} });
       ++model.valences[edge.uses];
       ++curvesAt[edge.vertices[0]];
       ++curvesAt[edge.vertices[1]];
@@ -711,37 +724,6 @@ Model volumeModel(const BSplineVolumeBlocks& input, const SharedEntities& shared
     }
   }
   return model;
-}
-
-/// Creases: edges between two faces of the wall, once the wall is known.
-void addVolumeCreases(Model& model, const BSplineVolumeBlocks& input, const SharedEntities& shared)
-{
-  std::vector<int> wallFaces(shared.edges.size(), 0);
-  for (const Face& face : model.faces)
-  {
-    for (int axis = 0; axis < 2 && face.part == Part::Wall; ++axis)
-    {
-      for (int side = 0; side < 2; ++side)
-      {
-        ++wallFaces[shared.blocks[face.block].edges[faceEdge(face.face, axis, side)]];
-      }
-    }
-  }
-  for (std::size_t e = 0; e < shared.edges.size(); ++e)
-  {
-    const SharedEntities::Edge& edge = shared.edges[e];
-    if (edge.boundary && wallFaces[e] > 1 && model.isHere(edge.block) &&
-      taggedCrease(input.volumes[edge.block], input.rules[edge.block], edge.edge))
-    {
-      model.curves.push_back({ edge.block, edge.edge, CreaseColor });
-    }
-  }
-}
-
-/// Parts per span that keep the surface small enough to be shown as fast as the mesh it came from.
-int automaticSubdivision(Index spans)
-{
-  return spans > 60000 ? 1 : spans > 15000 ? 2 : 4;
 }
 
 std::vector<Vec3> edgeCurve(const BSplineVolume& volume, int edge, int parts)
@@ -765,6 +747,41 @@ std::vector<Vec3> edgeCurve(const BSplineVolume& volume, int edge, int parts)
     }
   }
   return points;
+}
+
+/// Creases: edges between two faces of the wall, once the wall is known; repeated knots make edges inside blocks.
+void addVolumeCreases(Model& model, const BSplineVolumeBlocks& input, const std::vector<Interface>& interfaces)
+{
+  const VolumeParts parts = cutAtRepeatedKnots(input.volumes, interfaces);
+  const SharedEntities shared = sharedEntities(static_cast<int>(parts.volumes.size()), parts.interfaces);
+  std::vector<char> isWall(6 * input.volumes.size(), 0);
+  for (const Face& face : model.faces)
+  {
+    isWall[6 * std::size_t(face.block) + face.face] = face.part == Part::Wall;
+  }
+  std::vector<int> wallFaces(shared.edges.size(), 0);
+  for (const SharedEntities::Face& face : shared.faces)
+  {
+    for (int n = 0; n < 4 && face.uses == 1 && isWall[6 * std::size_t(parts.blocks[face.block]) + face.face]; ++n)
+    {
+      ++wallFaces[shared.blocks[face.block].edges[faceEdge(face.face, n & 1, n >> 1)]];
+    }
+  }
+  for (std::size_t e = 0; e < shared.edges.size(); ++e)
+  {
+    const SharedEntities::Edge& edge = shared.edges[e];
+    const int block = parts.blocks[edge.block];
+    if (edge.boundary && wallFaces[e] > 1 && model.isHere(block) && taggedCrease(input, parts, edge.block, edge.edge))
+    {
+      model.curves.push_back({ block, edge.edge, CreaseColor, edgeCurve(parts.volumes[edge.block], edge.edge, 4) });
+    }
+  }
+}
+
+/// Parts per span that keep the surface small enough to be shown as fast as the mesh it came from.
+int automaticSubdivision(Index spans)
+{
+  return spans > 60000 ? 1 : spans > 15000 ? 2 : 4;
 }
 
 /// What of the curves is in reach. Collective.
@@ -847,7 +864,7 @@ std::vector<std::array<double, 3>> buildLines(BlockParts& parts, const Model& mo
   {
     if (model.isHere(curve.block) && (curve.color == CreaseColor ? options.creases : options.extraordinaryCurves))
     {
-      curves.line(edgePoints(curve.block, curve.edge), curve.color);
+      curves.line(curve.points.empty() ? edgePoints(curve.block, curve.edge) : curve.points, curve.color);
     }
   }
   for (const Node& node : model.nodes)
@@ -1051,7 +1068,7 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
       return coarse;
     },
     run);
-  addVolumeCreases(model, volume, shared);
+  addVolumeCreases(model, volume, interfaces);
 
   Index spans = 0;
   for (const Face& face : model.faces)
@@ -1079,7 +1096,7 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
       continue;
     }
     const BSplineVolume& block = volume.volumes[face.block];
-    const FaceGeometry geometry = faceGeometry(block, face.face, subdivision, here, options.layer);
+    const FaceGeometry geometry = faceGeometry(block, face.face, subdivision, here, options.layer, true);
     for (const Vec3& x : geometry.points)
     {
       box.extend(x);
@@ -1124,7 +1141,9 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
         builder.curvature(geometry.mean[n], geometry.gaussian[n]);
       }
     }
-    builder.quads(ns, nt, face.tag, [&](int s, int t) { return source(s, t, true); });
+    const auto& [u, v] = geometry.parameters;
+    builder.quads(ns, nt, face.tag,
+      [&, &u = u, &v = v](int s, int t) { return u[s] < u[s + 1] && v[t] < v[t + 1] ? source(s, t, true) : -1; });
   }
   for (auto& [block, builder] : builders)
   {

@@ -4,8 +4,8 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import (simple, vtk, bits, blocks, client, collection, coordinates, demo_mesh, dimensions, failure,
-                         field, grid, main, names, producer, update, values)
+from bsv_support import (simple, vtk, bits, blocks, client, collection, coordinates, creased_mesh, demo_mesh, dimensions,
+                         failure, field, grid, main, names, producer, update, values)
 
 RULES = ["Copied", "Regular", "Boundary", "Symmetry", "PlanarSide", "Body", "BodyExtraordinaryVertex", "Crease",
          "Corner", "ExtraordinaryEdge", "SingularNode", "WallLayer", "FarFieldLayer"]
@@ -118,6 +118,45 @@ def test_demo():
     assert counts["BodyExtraordinaryVertex"] >= 12
     assert "4 extraordinary curves of valence 3" in proxy.Report
     assert "WALL: body" in proxy.Report and "SYMMETRY: symmetry plane" in proxy.Report
+
+
+def test_repeated_knots():
+    """Blocks with creases inside stay those of the input, and join and are valid as their pieces are."""
+    mesh = creased_mesh()
+    found = []
+    for inside in ("CutBlocks", "RepeatedKnots"):
+        proxy = conversion(mesh, CreasesInsideBlocks=inside, CheckJoins=1, CheckSpans="All")
+        data, warnings = update(proxy)
+        assert not warnings
+        quality, smoothness = simple.BSplineVolumeQuality(Input=proxy), simple.BSplineVolumeSmoothness(Input=proxy)
+        for measured in (proxy, quality, smoothness):
+            update(measured)
+            measured.UpdatePropertyInformation()
+        found.append({"data": data, "report": proxy.Report, "all": (
+            [smoothness.GetProperty("Maximum" + name).GetData() for name in (
+                "Gap", "NormalJump", "LayerJump", "Kink", "C1Jump", "C2Jump")],
+            smoothness.NumberOfInterfaces, smoothness.NumberOfWallBorders, smoothness.Report.split(" joins: ")[1][:40],
+            quality.NumberOfSpans, quality.NumberOfInvalidSpans, quality.NumberOfUndecidedSpans,
+            proxy.NumberOfCheckedSpans, proxy.NumberOfInvalidSpans)})
+        assert proxy.NumberOfControlPoints == sum(rule_counts(data).values())
+        assert proxy.NumberOfBlocks == len(blocks(data))
+    cut, whole = found
+    assert cut["all"] == whole["all"], (cut["all"], whole["all"])
+    assert len(blocks(cut["data"])) == 6 and len(blocks(whole["data"])) == 2
+    assert "split along creases: block 0 \"block 0\" into 4, block 1 \"block 1\" into 2." in cut["report"]
+    assert "2 blocks stay whole, with knots of multiplicity 3 where creases would cut: block 0, block 1." \
+        in whole["report"] and "split" not in whole["report"]
+    first, second = blocks(whole["data"])
+    assert field(first, "KnotsU") == [0, 0, 0, 0, 1, 2, 2, 2, 3, 4, 4, 4, 4] == field(first, "KnotsV")
+    assert field(second, "KnotsU") == [0, 0, 0, 0, 1, 2, 3, 3, 3, 3]
+    assert field(second, "KnotsV") == field(first, "KnotsV") and field(first, "KnotsW") == [0, 0, 0, 0, 1, 2, 2, 2, 2]
+    assert names(whole["data"]) == ["block 0", "block 1"]
+    assert [tuple(map(int, row[:5])) for row in field(whole["data"], "Interfaces")] == [(0, 1, 1, 0, 0)]
+    # Creases count control points, those of the repeated knots included.
+    assert [tuple(map(int, row)) for row in field(whole["data"], "CreaseEdges")] == [
+        (0, 0, 4, 0, 8, 4, 0), (0, 4, 0, 0, 4, 4, 0), (1, 0, 4, 0, 5, 4, 0)]
+    points = {point for block in blocks(cut["data"]) for point in values(coordinates(block))}
+    assert points == {point for block in blocks(whole["data"]) for point in values(coordinates(block))}
 
 
 def test_names_and_assembly():

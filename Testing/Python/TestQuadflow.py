@@ -9,11 +9,12 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import (simple, vtk, blocks, client, coordinates, demo_mesh, failure, field, main, names, producer,
-                         update, values)
+from bsv_support import (simple, vtk, blocks, client, coordinates, creased_mesh, demo_mesh, failure, field, main, names,
+                         producer, update, values)
 from paraview import servermanager
 
 DEMO = simple.CatmullClarkToBSplineVolume(Input=demo_mesh(8), UseCreaseAngle=1)
+KNOTS = simple.CatmullClarkToBSplineVolume(Input=producer(creased_mesh()), CreasesInsideBlocks="RepeatedKnots")
 
 
 def writer(path, source=DEMO, **properties):
@@ -66,18 +67,19 @@ def write_errors(path, source=DEMO, code=None, **properties):
 
 
 def test_save_data_and_open():
-    before, _ = update(DEMO)
-    with folder() as path:
-        file = os.path.join(path, "demo.qfmb")
-        simple.SaveData(file, proxy=DEMO)
-        assert os.listdir(path) == ["demo.qfmb"]
-        opened = simple.OpenDataFile(file)
-        assert opened.SMProxy.GetXMLName() == "QuadflowReader"
-        data, warnings = update(opened)
-        assert not warnings
-        assert content(data) == content(before)
-        for block in blocks(data):
-            assert coordinates(block).GetDataTypeAsString() == "double"
+    for source, count in ((DEMO, 16), (KNOTS, 2)):
+        before, _ = update(source)
+        with folder() as path:
+            file = os.path.join(path, "demo.qfmb")
+            simple.SaveData(file, proxy=source)
+            assert os.listdir(path) == ["demo.qfmb"]
+            opened = simple.OpenDataFile(file)
+            assert opened.SMProxy.GetXMLName() == "QuadflowReader"
+            data, warnings = update(opened)
+            assert not warnings
+            assert len(blocks(data)) == count and content(data) == content(before)
+            for block in blocks(data):
+                assert coordinates(block).GetDataTypeAsString() == "double"
 
 
 def test_the_writer_is_offered():

@@ -4,6 +4,7 @@
 No numpy: ParaView's packages do not bring it.
 """
 import contextlib
+import math
 import os
 import shutil
 import sys
@@ -212,6 +213,29 @@ def demo_mesh(cells=8):
         copy = data.NewInstance()
         copy.ShallowCopy(data)
     return producer(copy)
+
+
+def creased_mesh():
+    """Two blocks under a ridge: creases cut the first into four pieces and the second into two."""
+    def place(i, j, k):
+        return i + 0.1 * math.sin(j), j + 0.1 * math.sin(i + k), k - 0.4 * abs(j - 2) + 0.05 * math.cos(i)
+
+    data = collection([grid((4, 4, 2), place), grid((3, 4, 2), place, (4, 0, 0))])
+    tables = (("Boundaries", 3, [(b, face, face != 4) for b in (0, 1) for face in range(6) if face != 1 - b]),
+              ("CreaseEdges", 7, [(0, 0, 2, 0, 4, 2, 0), (1, 0, 2, 0, 3, 2, 0), (0, 2, 0, 0, 2, 2, 0)]))
+    for name, components, rows in tables:
+        array = vtk.vtkIntArray()
+        array.SetName(name)
+        array.SetNumberOfComponents(components)
+        for row in rows:
+            array.InsertNextTuple(row)
+        data.GetFieldData().AddArray(array)
+    boundary = vtk.vtkStringArray()
+    boundary.SetName("BoundaryNames")
+    boundary.InsertNextValue("wall")
+    boundary.InsertNextValue("outside")
+    data.GetFieldData().AddArray(boundary)
+    return data
 
 
 def main(tests):

@@ -42,6 +42,11 @@ std::string counted(Index count, const std::string& one, const std::string& many
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+Index piecesOf(const CutPositions& cuts)
+{
+  return Index(cuts[0].size() - 1) * Index(cuts[1].size() - 1) * Index(cuts[2].size() - 1);
+}
+
 /// Lexicographic order of x, y, z; of equal ones, that with negative zeros first.
 bool before(const Vec3& a, const Vec3& b)
 {
@@ -150,7 +155,8 @@ public:
     , Surface(mesh)
     , Links(glue(this->Part, this->Surface, this->Check.leftHanded, options, this->part(0.4, 0.8)))
     , Creases(mesh, this->Surface, this->Links, this->Check.leftHanded, options.creaseAngle, rules, *run.ranks)
-    , Cuts(cutPositions(mesh, this->Surface, this->Links, this->Creases, run))
+    , Cuts(cutPositions(mesh, this->Surface, this->Links, &this->Creases, run))
+    , ContactCuts(this->Creases.empty() ? this->Cuts : cutPositions(mesh, this->Surface, this->Links, nullptr, run))
   {
     this->Run.report(0.85);
   }
@@ -284,8 +290,12 @@ private:
     if (!this->onSurface(use))
     {
       Ijk neighbor = this->PieceAt[use.block];
-      neighbor[faceDirection(use.face)] += faceSide(use.face) ? 1 : -1;
+      const int d = faceDirection(use.face);
+      neighbor[d] += faceSide(use.face) ? 1 : -1;
       result.uses.push_back({ this->piece(block.parent, neighbor), use.face ^ 1 });
+      const std::vector<int>& forContacts = this->ContactCuts[block.parent][d];
+      const int position = block.offset[d] + (faceSide(use.face) ? block.cells(d) : 0);
+      result.creaseCut = !std::binary_search(forContacts.begin(), forContacts.end(), position);
     }
     else
     {
@@ -328,56 +338,12 @@ private:
 
   void makeVerticesAndEdges()
   {
-    std::vector<Interface> contacts;
-    for (const ComplexFace& face : this->Result.faces)
-    {
-      if (!face.boundary())
-      {
-        const FaceUse& a = face.uses[0];
-        const FaceUse& b = face.uses[1];
-        contacts.push_back({ a.block, a.face, b.block, b.face, face.orientation, {}, {} });
-      }
-    }
-    const int blockCount = static_cast<int>(this->Result.blocks.size());
-    const SharedEntities shared =
-      sharedEntities(blockCount, contacts, [this](int block) { return this->Result.blocks[block].name; });
-
-    this->Result.vertices.resize(shared.vertices);
-    for (const SharedEntities::Edge& entry : shared.edges)
-    {
-      ComplexEdge edge;
-      edge.vertices = entry.vertices;
-      edge.cells = this->Result.blocks[entry.block].cells(edgeDirection(entry.edge));
-      edge.uses.reserve(entry.uses);
-      this->Result.edges.push_back(std::move(edge));
-    }
-    for (int b = 0; b < blockCount; ++b)
-    {
-      ComplexBlock& block = this->Result.blocks[b];
-      block.vertices = shared.blocks[b].vertices;
-      block.edges = shared.blocks[b].edges;
-      block.edgeReversed = shared.blocks[b].edgeReversed;
-      for (int c = 0; c < 8; ++c)
-      {
-        this->Result.vertices[block.vertices[c]].corners.push_back({ b, c });
-      }
-      for (int e = 0; e < 12; ++e)
-      {
-        ComplexEdge& edge = this->Result.edges[block.edges[e]];
-        const int cells = block.cells(edgeDirection(e));
-        if (edge.cells != cells)
-        {
-          throw Error("edges of " + block.name + " and " + this->Result.blocks[edge.uses[0].block].name +
-            " that meet have " + std::to_string(cells) + " and " + std::to_string(edge.cells) + " cells");
-        }
-        edge.uses.push_back({ b, e, block.edgeReversed[e] });
-      }
-    }
+    numberVerticesAndEdges(this->Result);
     for (const ComplexFace& face : this->Result.faces)
     {
       if (face.boundary())
       {
-        this->markBoundary(face.uses[0]);
+        this->markCreases(face.uses[0]);
       }
     }
   }
@@ -421,20 +387,15 @@ private:
     }
   }
 
-  void markBoundary(const FaceUse& use)
+  void markCreases(const FaceUse& use)
   {
     const ComplexBlock& block = this->Result.blocks[use.block];
     const int last[2] = { block.cells(faceAxis(use.face, 0)) - 1, block.cells(faceAxis(use.face, 1)) - 1 };
-    for (int c = 0; c < 4; ++c)
-    {
-      this->Result.vertices[block.vertices[faceCorner(use.face, c & 1, c >> 1)]].boundary = true;
-    }
     for (int axis = 0; axis < 2; ++axis)
     {
       for (int side = 0; side < 2; ++side)
       {
         ComplexEdge& edge = this->Result.edges[block.edges[faceEdge(use.face, axis, side)]];
-        edge.boundary = true;
         // Of an edge with other cells around it all mesh edges are creases, or none is; else any makes it one.
         const int across = side ? last[1 - axis] : 0;
         for (int along = 0; along <= last[axis] && !edge.crease; ++along)
@@ -739,16 +700,22 @@ private:
     this->Result.tangledCells = this->Check.tangledCells;
     std::vector<std::string> leftHanded;
     std::vector<std::string> split;
+    std::vector<std::string> alongCreases;
     for (int b = 0; b < this->Surface.blockCount(); ++b)
     {
       if (this->Check.leftHanded[b])
       {
         leftHanded.push_back(blockLabel(this->Mesh, b));
       }
-      const int pieces = this->cutCount(b, 0) * this->cutCount(b, 1) * this->cutCount(b, 2);
-      if (pieces > 1)
+      const Index pieces = piecesOf(this->Cuts[b]);
+      const Index forContacts = piecesOf(this->ContactCuts[b]);
+      if (forContacts > 1)
       {
-        split.push_back(blockLabel(this->Mesh, b) + " into " + std::to_string(pieces));
+        split.push_back(blockLabel(this->Mesh, b) + " into " + std::to_string(forContacts));
+      }
+      if (pieces > forContacts)
+      {
+        alongCreases.push_back(blockLabel(this->Mesh, b) + " into " + std::to_string(pieces));
       }
     }
     if (!leftHanded.empty())
@@ -765,7 +732,12 @@ private:
     if (!split.empty())
     {
       this->Result.notes.push_back(counted(split.size(), "block was", "blocks were") +
-        " split along partial contacts, boundary borders or creases: " + listed(split) + ".");
+        " split along partial contacts or boundary borders: " + listed(split) + ".");
+    }
+    if (!alongCreases.empty())
+    {
+      this->Result.creaseNote = counted(alongCreases.size(), "block was", "blocks were") +
+        " split along creases: " + listed(alongCreases) + ".";
     }
   }
 
@@ -779,12 +751,74 @@ private:
   const Contacts Links;
   const CreaseEdges Creases;
   const std::vector<CutPositions> Cuts;
+  /// Those that would be there without creases.
+  const std::vector<CutPositions> ContactCuts;
   std::vector<int> FirstPiece;
   std::vector<Ijk> PieceAt;
   BlockComplex Result;
 };
 
 } // namespace
+
+void numberVerticesAndEdges(BlockComplex& complex)
+{
+  std::vector<Interface> contacts;
+  for (const ComplexFace& face : complex.faces)
+  {
+    if (!face.boundary())
+    {
+      const FaceUse& a = face.uses[0];
+      const FaceUse& b = face.uses[1];
+      contacts.push_back({ a.block, a.face, b.block, b.face, face.orientation, {}, {} });
+    }
+  }
+  const int blockCount = static_cast<int>(complex.blocks.size());
+  const SharedEntities shared =
+    sharedEntities(blockCount, contacts, [&](int block) { return complex.blocks[block].name; });
+
+  complex.vertices.assign(shared.vertices, {});
+  complex.edges.clear();
+  for (const SharedEntities::Edge& entry : shared.edges)
+  {
+    ComplexEdge edge;
+    edge.vertices = entry.vertices;
+    edge.cells = complex.blocks[entry.block].cells(edgeDirection(entry.edge));
+    edge.uses.reserve(entry.uses);
+    complex.edges.push_back(std::move(edge));
+  }
+  for (int b = 0; b < blockCount; ++b)
+  {
+    ComplexBlock& block = complex.blocks[b];
+    block.vertices = shared.blocks[b].vertices;
+    block.edges = shared.blocks[b].edges;
+    block.edgeReversed = shared.blocks[b].edgeReversed;
+    for (int c = 0; c < 8; ++c)
+    {
+      complex.vertices[block.vertices[c]].corners.push_back({ b, c });
+    }
+    for (int e = 0; e < 12; ++e)
+    {
+      ComplexEdge& edge = complex.edges[block.edges[e]];
+      const int cells = block.cells(edgeDirection(e));
+      if (edge.cells != cells)
+      {
+        throw Error("edges of " + block.name + " and " + complex.blocks[edge.uses[0].block].name + " that meet have " +
+          std::to_string(cells) + " and " + std::to_string(edge.cells) + " cells");
+      }
+      edge.uses.push_back({ b, e, block.edgeReversed[e] });
+    }
+  }
+  for (const ComplexFace& face : complex.faces)
+  {
+    const FaceUse& use = face.uses.front();
+    const ComplexBlock& block = complex.blocks[use.block];
+    for (int n = 0; n < 4 && face.boundary(); ++n)
+    {
+      complex.vertices[block.vertices[faceCorner(use.face, n & 1, n >> 1)]].boundary = true;
+      complex.edges[block.edges[faceEdge(use.face, n & 1, n >> 1)]].boundary = true;
+    }
+  }
+}
 
 BlockComplex buildBlockComplex(const BlockMesh& mesh, const BlockComplexOptions& options, const Execution& run)
 {

@@ -81,6 +81,8 @@ struct ComplexFace
   int orientation = 0;
   /// Index into BlockComplex::boundaryNames, or -1: inside, or a boundary without a name.
   int tag = -1;
+  /// Inside a block of the mesh that was cut here for creases alone: without them it would be whole (JoinedBlocks.h).
+  bool creaseCut = false;
 
   bool boundary() const { return this->uses.size() == 1; }
 };
@@ -120,8 +122,10 @@ struct BlockComplex
   Index tangledCells = 0;
   /// What may be wrong with the mesh, one sentence each: left-handed blocks, tangled cells.
   std::vector<std::string> warnings;
-  /// What was done, one sentence each: blocks that were split.
+  /// What was done, one sentence each: blocks that were split along contacts and boundaries.
   std::vector<std::string> notes;
+  /// The same of the blocks that were split along creases; empty if there are none.
+  std::string creaseNote;
 
   /// Memory behind the views of the blocks whose points had to be welded. Empty if all copies of every shared point
   /// were equal bit for bit.
@@ -143,6 +147,10 @@ struct BlockComplex
 /// collapsed faces or cells (unless allowed), semi-sharp creases.
 BlockComplex buildBlockComplex(
   const BlockMesh& mesh, const BlockComplexOptions& options = {}, const Execution& run = {});
+
+/// Numbers the vertices and edges of a complex whose blocks and faces are known, and marks those on the boundary. Edges
+/// are no creases. @throws Error for edges that meet with different numbers of cells.
+void numberVerticesAndEdges(BlockComplex& complex);
 
 /// Point of a block of `cells` + 1 points per direction at mesh position (s, t) of a face.
 Ijk facePoint(const Ijk& cells, int face, int s, int t);

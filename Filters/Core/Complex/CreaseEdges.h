@@ -81,6 +81,8 @@ public:
     return this->any(quad.block, quad.face) &&
       (this->Bits[6 * std::size_t(quad.block) + quad.face][this->place(quad)] >> (2 * axis + side) & 1) != 0;
   }
+  /// Whether there are none.
+  bool empty() const { return this->Bits.empty(); }
   /// Whether any edge of a quadrilateral of the face is one.
   bool any(int block, int face) const
   {

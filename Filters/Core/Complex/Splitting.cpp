@@ -16,7 +16,7 @@ constexpr Index MostPieces = 1000000;
 class Splitter
 {
 public:
-  Splitter(const SurfaceNumbering& surface, const Contacts& contacts, const CreaseEdges& creases)
+  Splitter(const SurfaceNumbering& surface, const Contacts& contacts, const CreaseEdges* creases)
     : Surface(surface)
     , Links(contacts)
     , Creases(creases)
@@ -59,7 +59,7 @@ private:
     {
       const QuadAt first{ block, face, 0, 0 };
       const QuadAt partner = this->partnerOf(first);
-      if (this->Links.onePiece(block, face) && !this->Creases.any(block, face) &&
+      if (this->Links.onePiece(block, face) && !(this->Creases && this->Creases->any(block, face)) &&
         (partner.block != block || partner.face != face))
       {
         continue;
@@ -88,11 +88,11 @@ private:
       for (position = 1; position < n; ++position)
       {
         const QuadAt next = this->partnerOf(at, partner.block);
-        bool needed = this->Creases(at, 1 - axis, 0);
+        bool needed = this->isCrease({ at, 1 - axis, 0 });
         for (int side = 0; side < 2; ++side)
         {
           needed = needed ||
-            (this->Creases(before, axis, side) != this->Creases(at, axis, side) &&
+            (this->isCrease({ before, axis, side }) != this->isCrease({ at, axis, side }) &&
               !this->isOutline({ at, axis, side }));
         }
         if (needed || !this->continues(before, partner, at, next, axis))
@@ -104,6 +104,11 @@ private:
         partner = next;
       }
     }
+  }
+
+  bool isCrease(const QuadEdge& edge) const
+  {
+    return this->Creases && (*this->Creases)(edge.quad, edge.axis, edge.side);
   }
 
   /// Whether only one cell lies at the edge: sharp in any case, so that it does not matter where a crease on it ends.
@@ -248,7 +253,7 @@ private:
 
   const SurfaceNumbering& Surface;
   const Contacts& Links;
-  const CreaseEdges& Creases;
+  const CreaseEdges* Creases;
   /// Per block, direction and mesh position.
   std::vector<std::array<std::vector<char>, 3>> IsCut;
 };
@@ -256,7 +261,7 @@ private:
 } // namespace
 
 std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-  const CreaseEdges& creases, const Execution& run)
+  const CreaseEdges* creases, const Execution& run)
 {
   return Splitter(surface, contacts, creases)(mesh, run);
 }

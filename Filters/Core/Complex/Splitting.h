@@ -20,8 +20,9 @@ using CutPositions = std::array<std::vector<int>, 3>;
 /// same way, or the same boundary, and no edge is a crease in part, except where only one cell lies at it. A cut goes
 /// through its whole block and on through the contacts into the neighbours.
 ///
+/// @param creases null: those cuts alone that contacts and boundaries need.
 /// @throws Error for crease lines that are none, and if there are more than a million pieces.
 std::vector<CutPositions> cutPositions(const BlockMesh& mesh, const SurfaceNumbering& surface, const Contacts& contacts,
-  const CreaseEdges& creases, const Execution& run);
+  const CreaseEdges* creases, const Execution& run);
 
 } // namespace bsv

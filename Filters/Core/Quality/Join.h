@@ -3,6 +3,8 @@
 /// A join of two blocks, and what is measured along it.
 ///
 /// A *join* is an interface, two faces that meet, or a wall border, two boundary faces that meet along a block edge.
+/// Knots of full multiplicity part a block (VolumeParts.h): its parts are joined like blocks, by interfaces inside it
+/// and by borders on its walls.
 /// Its two sides A and B are compared at equal parameters: those of B follow from those of A by the orientation of the
 /// contact and, per direction, the affine map between the ranges of the knots. At a point of a join
 ///
@@ -79,18 +81,26 @@ struct JumpMaximum
 
 struct Join
 {
-  /// Sides A and B. On a wall border `face` is the boundary face and `edge` the block edge along which they meet.
+  /// Sides A and B: faces of the blocks, or of a part of them. On a wall border `face` is the boundary face and `edge`
+  /// the edge along which they meet.
   struct Side
   {
     int block = 0;
     int face = 0;
     int edge = -1;
+    /// Of the block, u fastest; 0 if it is whole.
+    int part = 0;
   };
   std::array<Side, 2> sides;
   /// Code from A to B; for a wall border 2 if B runs the edge the other way, else 0.
   int orientation = 0;
 
   bool border() const { return this->sides[0].edge >= 0; }
+  /// Between two parts of one block, at a repeated knot.
+  bool inner() const
+  {
+    return this->sides[0].block == this->sides[1].block && this->sides[0].part != this->sides[1].part;
+  }
 
   std::array<JumpMaximum, JumpKinds> worst;
   JoinContinuity continuity = JoinContinuity::C2;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quality/JoinClass.h"
 
+#include "Quality/JoinMeasurement.h"
+
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 
 namespace bsv
 {
@@ -61,6 +64,20 @@ ClassifiedJoin classifyJoin(const Join& join)
     return { JoinClass::Deliberate, "at an extraordinary edge" };
   }
   return { JoinClass::Defect, "kink" };
+}
+
+std::string blocksText(const Join& join, const std::vector<std::string>& names)
+{
+  const std::string& name = names[join.sides[0].block];
+  if (!join.inner())
+  {
+    return name + " / " + names[join.sides[1].block];
+  }
+  const int direction = faceDirection(acrossFace(join, 0));
+  std::ostringstream text;
+  text << name << " at "
+       << "uvw"[direction] << " = " << join.worst[static_cast<int>(join.rankedBy())].uvw[0][direction];
+  return text.str();
 }
 
 std::vector<int> rankedByClass(const SmoothnessResult& result)

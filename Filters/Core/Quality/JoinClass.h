@@ -43,6 +43,9 @@ struct ClassifiedJoin
 
 ClassifiedJoin classifyJoin(const Join& join);
 
+/// What it joins: "wing / tip", or inside a block "wing at u = 12". @param names of the blocks
+std::string blocksText(const Join& join, const std::vector<std::string>& names);
+
 /// Joins in the order of a list, what asks for a look first: defects, deliberate ones, expected ones, smooth ones;
 /// within a class as in `result.ranking`, creases last within theirs.
 std::vector<int> rankedByClass(const SmoothnessResult& result);

@@ -6,6 +6,7 @@
 #include "Quality/JoinMeasurement.h"
 #include "Ranks/Ranks.h"
 #include "Volume/ControlPointRule.h"
+#include "Volume/VolumeParts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +30,7 @@ int signedValence(const SharedEntities& shared, int block, int edge)
 /// Join::valences of a wall border.
 void describeBorder(const SharedEntities& shared, Join& join)
 {
-  const auto& [block, wall, edge] = join.sides[0];
+  const int block = join.sides[0].block, wall = join.sides[0].face, edge = join.sides[0].edge;
   join.valences[0] = signedValence(shared, block, edge);
   const int direction = edgeDirection(edge);
   // The face that goes off the wall there.
@@ -86,7 +87,9 @@ std::vector<Join> outerBorders(const SharedEntities& shared)
 }
 
 /// Whether the control points of a border, without its ends, are all made by crease or corner rules.
-bool taggedCrease(const Join& join, const BSplineVolume& volume, const unsigned char* rules)
+/// @param rules of the block `whole`, whose part from control point `first` on `volume` is
+bool taggedCrease(const Join& join, const BSplineVolume& volume, const BSplineVolume& whole, const Ijk& first,
+  const unsigned char* rules)
 {
   if (!rules)
   {
@@ -103,8 +106,8 @@ bool taggedCrease(const Join& join, const BSplineVolume& volume, const unsigned 
       const int other = faceAxis(2 * d, axis);
       p[other] = edgeSide(edge, axis) ? volume.count(other) - 1 : 0;
     }
-    const auto rule =
-      static_cast<ControlPointRule>(rules[p[0] + Index(volume.count(0)) * (p[1] + Index(volume.count(1)) * p[2])]);
+    const auto rule = static_cast<ControlPointRule>(
+      rules[first[0] + p[0] + Index(whole.count(0)) * (first[1] + p[1] + Index(whole.count(1)) * (first[2] + p[2]))]);
     if (rule != ControlPointRule::Crease && rule != ControlPointRule::Corner)
     {
       return false;
@@ -385,10 +388,16 @@ JumpKind Join::rankedBy() const
   }
 }
 
-SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>& interfaces,
-  const SmoothnessOptions& options, const Execution& run)
+SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& whole,
+  const std::vector<Interface>& wholeInterfaces, const SmoothnessOptions& given, const Execution& run)
 {
-  checkOptions(options);
+  checkOptions(given);
+  const VolumeParts parts = cutAtRepeatedKnots(whole, wholeInterfaces);
+  const std::vector<BSplineVolume>& volumes = parts.volumes;
+  const std::vector<Interface>& interfaces = parts.interfaces;
+  SmoothnessOptions options = given;
+  options.isWall = [&](int part, int face) { return given.isWall(parts.blocks[part], face); };
+  options.blockName = [&](int part) { return given.blockName(parts.blocks[part]); };
   const SharedEntities shared = sharedEntities(static_cast<int>(volumes.size()), interfaces, options.blockName);
   SmoothnessResult result;
   for (const Interface& contact : interfaces)
@@ -418,8 +427,10 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
     const int block = join.sides[0].block;
     if (volumes[block].rank == run.ranks->rank())
     {
-      const unsigned char* rules = options.rules.empty() ? nullptr : options.rules[block];
-      join.crease = taggedCrease(join, volumes[block], rules) || isSharp(join, options.creaseAngle);
+      const int owner = parts.blocks[block];
+      join.crease = taggedCrease(join, volumes[block], whole[owner], parts.first[block],
+                      options.rules.empty() ? nullptr : options.rules[owner]) ||
+        isSharp(join, options.creaseAngle);
     }
   }
   shareResults(volumes, borders, *run.ranks);
@@ -446,6 +457,20 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
   }
   result.curves = extraordinaryCurves(volumes, shared, result.joins, *run.ranks);
 
+  // From here on blocks are those that were given.
+  for (Join& join : result.joins)
+  {
+    for (Join::Side& side : join.sides)
+    {
+      side.part = parts.numbers[side.block];
+      side.block = parts.blocks[side.block];
+    }
+  }
+  for (ExtraordinaryCurve& curve : result.curves)
+  {
+    curve.block = parts.blocks[curve.block];
+  }
+
   result.ranking.resize(result.joins.size());
   std::iota(result.ranking.begin(), result.ranking.end(), 0);
   std::stable_sort(result.ranking.begin(), result.ranking.end(), [&](int a, int b) {
@@ -456,7 +481,7 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& volumes, co
       : x.continuity != y.continuity ? x.continuity < y.continuity
                                      : severity(x) > severity(y);
   });
-  result.blocks.resize(volumes.size());
+  result.blocks.resize(whole.size());
   for (const int j : result.ranking)
   {
     const Join& join = result.joins[j];

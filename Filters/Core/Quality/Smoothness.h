@@ -50,7 +50,8 @@ struct BlockSmoothness
 
 struct SmoothnessResult
 {
-  /// One per interface, in their order, then the wall borders.
+  /// One per interface, in their order, then those inside blocks, then the wall borders. Interfaces of blocks that
+  /// repeated knots part have one per pair of parts.
   std::vector<Join> joins;
   /// All joins, the worst first: by continuity, then by the jump Join::rankedBy(). Creases come last.
   std::vector<int> ranking;

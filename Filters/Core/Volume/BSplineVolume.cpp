@@ -119,6 +119,13 @@ std::vector<int> nonEmptySpans(int degree, const std::vector<double>& knots)
   return spans;
 }
 
+bool isRepeatedKnot(int degree, const std::vector<double>& knots, int knot)
+{
+  const int last = static_cast<int>(knots.size()) - 1 - degree;
+  return degree > 1 && knot > degree && knot + degree <= last && knots[knot] > knots[knot - 1] &&
+    knots[knot] == knots[knot + degree - 1] && knots[knot] < knots[last];
+}
+
 namespace
 {
 

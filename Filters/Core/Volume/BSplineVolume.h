@@ -52,6 +52,11 @@ std::vector<double> clampedIntegerKnots(int cells);
 /// Indices s of the non-empty spans [knots[s], knots[s + 1]) of the domain [knots[degree], knots[size - 1 - degree]].
 std::vector<int> nonEmptySpans(int degree, const std::vector<double>& knots);
 
+/// Whether a volume is only continuous at a knot inside its domain: repeated as often as the degree, and at least
+/// twice.
+/// @param knot the first of its value
+bool isRepeatedKnot(int degree, const std::vector<double>& knots, int knot);
+
 /// @throws Error, beginning with `name`, unless degrees are 1..MaxDegree and every knot vector is finite and
 /// non-decreasing, has at least 2 (degree + 1) knots and a non-empty domain, and repeats no knot inside the domain more
 /// than degree times (the volume would be torn there), weights are finite and positive, and points here are finite.

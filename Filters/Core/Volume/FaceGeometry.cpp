@@ -42,7 +42,8 @@ Station stationAt(const BSplineVolume& volume, int direction, int span, double l
   return station;
 }
 
-std::vector<Station> stations(const BSplineVolume& volume, int direction, int parts)
+std::vector<Station> stations(
+  const BSplineVolume& volume, int direction, int parts, bool bothSides, std::vector<double>& parameters)
 {
   std::vector<Station> result;
   const std::vector<double>& knots = volume.knots[direction];
@@ -50,8 +51,10 @@ std::vector<Station> stations(const BSplineVolume& volume, int direction, int pa
   for (const int span : spans)
   {
     const double width = knots[span + 1] - knots[span];
-    for (int j = 0; j < parts + (span == spans.back() ? 1 : 0); ++j)
+    const bool ends = span == spans.back() || (bothSides && isRepeatedKnot(volume.degree[direction], knots, span + 1));
+    for (int j = 0; j < parts + (ends ? 1 : 0); ++j)
     {
+      parameters.push_back(j == parts ? knots[span + 1] : knots[span] + width * j / parts);
       result.push_back(stationAt(volume, direction, span, width * j / parts, width * (parts - j) / parts));
     }
   }
@@ -60,7 +63,8 @@ std::vector<Station> stations(const BSplineVolume& volume, int direction, int pa
 
 } // namespace
 
-FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, const Execution& run, int layer)
+FaceGeometry faceGeometry(
+  const BSplineVolume& volume, int face, int parts, const Execution& run, int layer, bool bothSides)
 {
   const int across = faceDirection(face);
   const int alongS = faceAxis(face, 0);
@@ -103,9 +107,9 @@ FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, cons
     }
   }
 
-  const std::vector<Station> s = stations(volume, alongS, parts);
-  const std::vector<Station> t = stations(volume, alongT, parts);
   FaceGeometry result;
+  const std::vector<Station> s = stations(volume, alongS, parts, bothSides, result.parameters[0]);
+  const std::vector<Station> t = stations(volume, alongT, parts, bothSides, result.parameters[1]);
   result.samples = { static_cast<int>(s.size()), static_cast<int>(t.size()) };
   const std::size_t total = s.size() * t.size();
   result.points.resize(total);

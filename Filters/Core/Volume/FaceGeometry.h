@@ -23,6 +23,8 @@ struct FaceGeometry
 {
   /// Samples along the first and the second axis of the face.
   std::array<int, 2> samples{ 0, 0 };
+  /// Their parameters, ascending.
+  std::array<std::vector<double>, 2> parameters;
   /// Per sample, first axis fastest.
   std::vector<Vec3> points;
   /// Unit length, into the block: out of a body that the volume surrounds. Where the tangents are parallel, as at a
@@ -35,9 +37,11 @@ struct FaceGeometry
 
 /// Samples of face `face` (BlockTopology.h), every non-empty span cut into `parts` >= 1 equal parts per axis. At knots
 /// the derivatives are those of the span to the right, at the last knot those of the last span.
+/// @param bothSides two samples at knots where the face is only continuous (isRepeatedKnot()), one from either side
 /// @param layer so many non-empty spans off the face, >= 0; at most at the opposite face
 /// @param volume must have passed checkBSplineVolume(), its points must be here.
 /// @throws Aborted
-FaceGeometry faceGeometry(const BSplineVolume& volume, int face, int parts, const Execution& run = {}, int layer = 0);
+FaceGeometry faceGeometry(
+  const BSplineVolume& volume, int face, int parts, const Execution& run = {}, int layer = 0, bool bothSides = false);
 
 } // namespace bsv

@@ -155,13 +155,13 @@ Block wavyBlock(std::mt19937& random, const std::array<int, 3>& degree, const st
   return block;
 }
 
-/// Non-uniform, with a line across which derivatives in v are discontinuous. All differences are exact in binary.
+/// Non-uniform, linear in v, with a line across which derivatives in v are discontinuous. All differences are exact in
+/// binary.
 Block mixedBlock(unsigned seed)
 {
   std::mt19937 random(seed);
-  return wavyBlock(random, { 3, 2, 4 },
-    { { { 0, 0, 0, 0, 1, 2.5, 3, 3, 3, 3 }, { 0, 0, 0, 1, 1, 2.5, 2.5, 2.5 },
-      { 0, 0, 0, 0, 0, 1, 1, 3, 3, 3, 3, 3 } } });
+  return wavyBlock(random, { 3, 1, 4 },
+    { { { 0, 0, 0, 0, 1, 2.5, 3, 3, 3, 3 }, { 0, 0, 1, 2.5, 2.5 }, { 0, 0, 0, 0, 0, 1, 1, 3, 3, 3, 3, 3 } } });
 }
 
 void moveLayer(Block& block, int layer, const Vec3& by)
@@ -758,6 +758,58 @@ TEST(Smoothness, ConvertedMeshes)
   {
     EXPECT_EQ(curve.valence, 3);
   }
+}
+
+// A knot repeated as often as the degree parts its block: what is measured is what blocks of their own would give.
+TEST(Smoothness, RepeatedKnotsJoinParts)
+{
+  // Cut in u, then in v at a knot that both halves have: the quarters, a kink between those of A.
+  const std::vector<double> u{ 0, 0, 0, 0, 1, 2, 2, 2, 3, 3, 3, 3 }, v{ 0, 0, 0, 1, 1, 2.5, 4, 4, 4 };
+  std::mt19937 random(11);
+  const Block whole = wavyBlock(random, { 3, 2, 2 }, { { u, v, { 0, 0, 0, 1, 1, 1 } } });
+  const auto parts = [](const Block& block, int d, int knot) {
+    const int degree = block.volume.degree[d], last = block.counts()[d] - 1;
+    std::array<Block, 2> halves{ piece(block, d, 0, knot - 1), piece(block, d, knot - 1, last) };
+    // Clamped there.
+    halves[0].volume.knots[d].back() = halves[1].volume.knots[d].front() = block.volume.knots[d][knot];
+    EXPECT_EQ(
+      halves[0].volume.knots[d].size() + halves[1].volume.knots[d].size(), block.volume.knots[d].size() + degree + 2);
+    return halves;
+  };
+  const auto [a, b] = parts(whole, 0, 5);
+  const auto [a0, a1] = parts(a, 1, 3);
+  const auto [b0, b1] = parts(b, 1, 3);
+  const std::vector<BSplineVolume> quarters{ a0.view(), a1.view(), b0.view(), b1.view() };
+  const std::vector<Interface> between{ { 0, 1, 2, 0, 0, {}, {} }, { 1, 1, 3, 0, 0, {}, {} }, { 0, 3, 1, 2, 0, {}, {} },
+    { 2, 3, 3, 2, 0, {}, {} } };
+  SmoothnessOptions options;
+  const SmoothnessResult expected = measureSmoothness(quarters, between, options);
+  const auto reference = canonical(expected.joins);
+  ASSERT_GT(reference.size(), 4u);
+
+  const SmoothnessResult one = measureSmoothness({ whole.view() }, {}, options);
+  EXPECT_EQ(canonical(one.joins), reference);
+  EXPECT_EQ(one.worst, expected.worst);
+  EXPECT_TRUE(one.joins.front().inner());
+  const JumpMaximum& kink = one.joins.front().worst[int(JumpKind::Kink)];
+  EXPECT_LT((evaluate(whole.view(), kink.uvw[0]) - kink.point).norm(), 1e-14);
+
+  // Two halves, the second with v reversed, in any numbering.
+  for (const bool exchanged : { false, true })
+  {
+    const Block turned = reoriented(b, { { 0, 1, 2 }, { false, true, false } });
+    const std::vector<BSplineVolume> halves = exchanged ? std::vector<BSplineVolume>{ turned.view(), a.view() }
+                                                        : std::vector<BSplineVolume>{ a.view(), turned.view() };
+    const Interface contact{ exchanged ? 1 : 0, 1, exchanged ? 0 : 1, 0, 2, {}, {} };
+    EXPECT_EQ(canonical(measureSmoothness(halves, { contact }, options).joins), reference);
+  }
+
+  // A neighbour without the knot: both stay whole.
+  const Block other =
+    wavyBlock(random, { 3, 2, 2 }, { { { 0, 0, 0, 0, 1, 1, 1, 1 }, { 0, 0, 0, 4, 4, 4 }, { 0, 0, 0, 1, 1, 1 } } });
+  const SmoothnessResult unequal =
+    measureSmoothness({ b.view(), other.view() }, { { 0, 1, 1, 0, 0, {}, {} } }, noWall());
+  EXPECT_EQ(unequal.joins.size(), 1u);
 }
 
 TEST(Smoothness, BlocksThatMeetThemselves)

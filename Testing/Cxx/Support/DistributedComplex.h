@@ -78,6 +78,7 @@ inline void expectSameTopology(const bsv::BlockComplex& a, const bsv::BlockCompl
     const bsv::ComplexFace &x = a.faces[n], &y = b.faces[n];
     EXPECT_EQ(x.orientation, y.orientation);
     EXPECT_EQ(x.tag, y.tag);
+    EXPECT_EQ(x.creaseCut, y.creaseCut);
     ASSERT_EQ(x.uses.size(), y.uses.size());
     for (std::size_t use = 0; use < x.uses.size(); ++use)
     {
@@ -89,6 +90,7 @@ inline void expectSameTopology(const bsv::BlockComplex& a, const bsv::BlockCompl
   EXPECT_EQ(a.tangledCells, b.tangledCells);
   EXPECT_EQ(a.warnings, b.warnings);
   EXPECT_EQ(a.notes, b.notes);
+  EXPECT_EQ(a.creaseNote, b.creaseNote);
 }
 
 /// The points of the rank's own blocks are those of the complex made alone, and as few are copied; there are no others.
