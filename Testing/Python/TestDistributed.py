@@ -11,8 +11,8 @@ import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bsplinevolume
-from bsv_support import (RANK, RANKS, Alone, vtk, blocks, collection, coordinates, field, grid, main, names,
-                         total)
+from bsv_support import (RANK, RANKS, Alone, vtk, blocks, collection, coordinates, creased_mesh, field, grid, main,
+                         names, total)
 import make_demo_mesh
 
 assert RANKS == int(os.environ.get("BSV_EXPECTED_RANKS", "1"))
@@ -154,6 +154,14 @@ def test_options_that_name_blocks():
 
 def test_more_ranks_than_blocks():
     compare_conversion(row(2), distributions(2))
+
+
+def test_repeated_knots():
+    def setup(convert):
+        convert.SetCreasesInsideBlocks(convert.REPEATED_KNOTS)
+        convert.CheckJoinsOn()
+    serial = compare_conversion(creased_mesh(), distributions(2), setup=setup)
+    assert serial.GetNumberOfBlocks() == 2 and "stay whole" in serial.GetReport()
 
 
 def test_wing_with_a_body_that_one_rank_has():
