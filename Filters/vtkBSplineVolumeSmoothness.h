@@ -7,8 +7,8 @@
  * are taken from `Interfaces`; without that array they are found from the shape of the faces (VolumeInterfaces.h), but
  * for the faces in `Boundaries`. Measured are all interfaces and the *wall borders*: block edges at which two outer
  * faces of the wall meet; knots repeated as often as the degree, and at least twice, part a block, and its parts are
- * joined in the same way (Join.h). The wall are the outer faces whose boundary names fit BodyBoundaries; all outer faces
- * if AllOuterFaces is on or no name fits.
+ * joined in the same way (Join.h). The wall are the outer faces whose boundary names fit BodyBoundaries; all outer
+ * faces if AllOuterFaces is on or no name fits.
  *
  * The jumps are defined in Smoothness.h. Derivatives are those with respect to the knots' own parameters:
  * - `Gap` (length): distance of the two sides at equal parameters;
@@ -26,14 +26,14 @@
  * that is meant to be sharp is a *crease* (CreaseAngle): it is listed, last, but counts in no total.
  *
  * Output ports:
- * 0. `Interfaces`: vtkPartitionedDataSetCollection, one vtkPolyData per interface (of parts), named "A|B" after its blocks. Point
- *    arrays `Gap`, `NormalJump` (2), `WorstNormalJump`, `LayerJump`, `Kink`, `C1Jump`, `C2Jump` at SamplesPerSpan parts
- *    of every span. Cell arrays `SpanGap`, `SpanNormalJump`, `SpanLayerJump`, `SpanKink`, `SpanC1Jump`, `SpanC2Jump`,
- *    the maxima over the control span that the cell lies in, and `Continuity`. Field data `MaximumGap`,
- *    `MaximumNormalJump`, `MaximumLayerJump`, `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump` (double), `InterfaceId`,
- *    `Blocks` (2), `Faces` (2), `Orientation`, `AtCrease`, `Continuity` (int), `Valences` (int, 4: blocks around the
- *    edges at s = 0, s = end, t = 0, t = end of face A; negative on the outer boundary). The collection's field data
- *    hold the maxima of all joins that are no creases.
+ * 0. `Interfaces`: vtkPartitionedDataSetCollection, one vtkPolyData per interface (of parts), named "A|B" after its
+ * blocks. Point arrays `Gap`, `NormalJump` (2), `WorstNormalJump`, `LayerJump`, `Kink`, `C1Jump`, `C2Jump` at
+ * SamplesPerSpan parts of every span. Cell arrays `SpanGap`, `SpanNormalJump`, `SpanLayerJump`, `SpanKink`,
+ * `SpanC1Jump`, `SpanC2Jump`, the maxima over the control span that the cell lies in, and `Continuity`. Field data
+ * `MaximumGap`, `MaximumNormalJump`, `MaximumLayerJump`, `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump` (double),
+ * `InterfaceId`, `Blocks` (2), `Faces` (2), `Orientation`, `AtCrease`, `Continuity` (int), `Valences` (int, 4: blocks
+ * around the edges at s = 0, s = end, t = 0, t = end of face A; negative on the outer boundary). The collection's field
+ * data hold the maxima of all joins that are no creases.
  * 1. `Blocks`: vtkPartitionedDataSetCollection with the blocks' names: the edges of each block as vtkPolyData, or with
  *    BlockSkins its faces. Cell and
  *    field arrays `Gap`, `NormalJump`, `LayerJump`, `Kink`, `C1Jump`, `C2Jump`, `Continuity`: the worst of the block's
@@ -41,11 +41,11 @@
  * 2. `Joins`: vtkTable, one row per interface and wall border, the worst first: by continuity, then by the jump that
  *    breaks it (`RankedBy`), creases last. Columns: `Class` (string: defect, expected, deliberate, smooth;
  * JoinClass.h), `Continuity` (string: open, C0, G1, C1, C2), `Kind` (string: interface, repeated
- * knot, wall border, crease), `NameA`, `NameB`, `BlockA`, `FaceA`, `EdgeA`, `BlockB`, `FaceB`, `EdgeB` (block edges of a wall border, else -1),
- * `Orientation`, `AtCrease` (int: 1 for creases and for interfaces that end at one), `MaximumGap`, `MaximumNormalJump`,
- * `MaximumNormalJumpS`, `MaximumNormalJumpT`, `MaximumLayerJump`, `MaximumKink`, `MaximumC1Jump`, `MaximumC2Jump`,
- * `RankedBy` (string), and where the jump of that name is largest: `Where` (3: point), `UVWA` (3), `UVWB` (3:
- * parameters in either block).
+ * knot, wall border, crease), `NameA`, `NameB`, `BlockA`, `FaceA`, `EdgeA`, `BlockB`, `FaceB`, `EdgeB` (block edges of
+ * a wall border, else -1), `Orientation`, `AtCrease` (int: 1 for creases and for interfaces that end at one),
+ * `MaximumGap`, `MaximumNormalJump`, `MaximumNormalJumpS`, `MaximumNormalJumpT`, `MaximumLayerJump`, `MaximumKink`,
+ * `MaximumC1Jump`, `MaximumC2Jump`, `RankedBy` (string), and where the jump of that name is largest: `Where` (3:
+ * point), `UVWA` (3), `UVWB` (3: parameters in either block).
  * 3. `Curves`: vtkPolyData, lines: extraordinary curves (interior block edges at which other than four blocks meet) and
  *    wall borders. Point arrays `Valence` (int: blocks around), `NormalJump` (of the layers that an extraordinary curve
  *    pierces, the largest around it; of the wall); cell arrays `Kind` (int: 0 extraordinary curve, 1 wall border, 2
