@@ -143,14 +143,14 @@ def test_repeated_knots():
     cut, whole = found
     assert cut["all"] == whole["all"], (cut["all"], whole["all"])
     assert len(blocks(cut["data"])) == 6 and len(blocks(whole["data"])) == 2
-    assert "split along creases: block 0 \"block 0\" into 4, block 1 \"block 1\" into 2." in cut["report"]
-    assert "2 blocks stay whole, with knots of multiplicity 3 where creases would cut: block 0, block 1." \
+    assert "split along creases: block 0 \"part 0\" into 4, block 1 \"part 1\" into 2." in cut["report"]
+    assert "2 blocks stay whole, with knots of multiplicity 3 where creases would cut: part 0, part 1." \
         in whole["report"] and "split" not in whole["report"]
     first, second = blocks(whole["data"])
     assert field(first, "KnotsU") == [0, 0, 0, 0, 1, 2, 2, 2, 3, 4, 4, 4, 4] == field(first, "KnotsV")
     assert field(second, "KnotsU") == [0, 0, 0, 0, 1, 2, 3, 3, 3, 3]
     assert field(second, "KnotsV") == field(first, "KnotsV") and field(first, "KnotsW") == [0, 0, 0, 0, 1, 2, 2, 2, 2]
-    assert names(whole["data"]) == ["block 0", "block 1"]
+    assert names(whole["data"]) == ["part 0", "part 1"]
     assert [tuple(map(int, row[:5])) for row in field(whole["data"], "Interfaces")] == [(0, 1, 1, 0, 0)]
     # Creases count control points, those of the repeated knots included.
     assert [tuple(map(int, row)) for row in field(whole["data"], "CreaseEdges")] == [

@@ -221,6 +221,8 @@ def creased_mesh():
         return i + 0.1 * math.sin(j), j + 0.1 * math.sin(i + k), k - 0.4 * abs(j - 2) + 0.05 * math.cos(i)
 
     data = collection([grid((4, 4, 2), place), grid((3, 4, 2), place, (4, 0, 0))])
+    for b in range(2):
+        data.GetMetaData(b).Set(vtk.vtkCompositeDataSet.NAME(), "part %d" % b)
     tables = (("Boundaries", 3, [(b, face, face != 4) for b in (0, 1) for face in range(6) if face != 1 - b]),
               ("CreaseEdges", 7, [(0, 0, 2, 0, 4, 2, 0), (1, 0, 2, 0, 3, 2, 0), (0, 2, 0, 0, 2, 2, 0)]))
     for name, components, rows in tables:
