@@ -2,6 +2,7 @@
 """Several files are time steps: behind the filters each is as if it had been read alone."""
 import json
 import os
+import shutil
 import sys
 import tempfile
 
@@ -125,7 +126,30 @@ def test_lists_of_files():
         expect_steps(reader, [(0.5, 0), (2, 2), (30, 1), (29, 2)])
 
 
+def test_names_in_lists():
+    # Python writes what is not ASCII as codes.
+    strange = os.path.join(FOLDER.name, "Flügel {1} \\ \U0001d54f.xyz")
+    shutil.copy(PATHS[0], strange)
+    shutil.copy(os.path.splitext(PATHS[0])[0] + ".nmf", os.path.splitext(strange)[0] + ".nmf")
+    reader = simple.HexBlockMeshReader(FileName=write_list("strange.series", [
+        {"comment": "a } b", "name": os.path.basename(strange), "time": 0.5}, {"name": PATHS[2], "time": 2}]))
+    assert times(reader) == [0.5, 2]
+    expect_steps(reader, [(0.5, 0), (2, 2)])
+
+
 def test_wrong_lists():
+    many = "x" * 400000
+    for name, text, words in (("long.series", '{"files": [{"name": "%s", "time": 0}]}' % many, ["no such file"]),
+                              ("late.series", '{"files": [\n{"name": "a", "time": late}]}', ["line 2", "'late'"]),
+                              ("nan.series", '{"files": [{"name": "a", "time": nan}]}', ["line 1", "'nan'"]),
+                              ("self.series", '{"files": [{"name": "self.series"}]}', ["entry 0", "a list itself"]),
+                              ("cut.series", '{"files": [{"name": "a', ["line 1", "should be"]),
+                              ("short.series", "a", ["names no files"]),
+                              ("nested.series", '{"files": [{"name": "a", "time": [0]}]}', ["entry 0"])):
+        with open(os.path.join(FOLDER.name, name), "w") as out:
+            out.write(text)
+        error = failure(simple.HexBlockMeshReader(FileName=os.path.join(FOLDER.name, name)))
+        assert all(word in error for word in words), error[:300]
     for name, entries, words in (("no_names.series", [{"time": 1}], ["entry 0", "name"]),
                                  ("empty.series", [], ["names no files"]),
                                  ("back.series", [{"name": "a", "time": 1}, {"name": "b", "time": 0}],
