@@ -70,7 +70,10 @@ HOPRLibrary::HOPRLibrary(const std::string& path, const std::string& target)
   // Errors become exceptions here, and nothing is printed.
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   this->Restore = [=] { H5Eset_auto2(H5E_DEFAULT, report, data); };
-  this->File = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  // HDF5 2 notes the time of day also for the root group.
+  const Handle properties(H5Pcreate(H5P_FILE_CREATE), &H5Pclose);
+  H5Pset_obj_track_times(properties, false);
+  this->File = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties, H5P_DEFAULT);
   if (this->File < 0)
   {
     this->Restore();
