@@ -619,7 +619,7 @@ const char* vtkBodyDeviation::GetBodyBoundary(int index) const
 }
 
 //------------------------------------------------------------------------------
-int vtkBodyDeviation::FillInputPortInformation(int port, vtkInformation* info)
+int vtkBodyDeviation::FillInputPortInformation(int, vtkInformation* info)
 {
   bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");

@@ -768,7 +768,7 @@ void vtkCatmullClarkToBSplineVolume::SetBodyConnection(vtkAlgorithmOutput* outpu
 }
 
 //------------------------------------------------------------------------------
-int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int port, vtkInformation* info)
+int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int, vtkInformation* info)
 {
   bsv::acceptMissing(info);
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
