@@ -124,7 +124,7 @@ def test_repeated_knots():
     """Blocks with creases inside stay those of the input, and join and are valid as their pieces are."""
     mesh = creased_mesh()
     found = []
-    for inside in ("CutBlocks", "RepeatedKnots"):
+    for inside in ("Cut", "RepeatedKnots"):
         proxy = conversion(mesh, CreasesInsideBlocks=inside, CheckJoins=1, CheckSpans="All")
         data, warnings = update(proxy)
         assert not warnings
