@@ -125,6 +125,7 @@ void onAllRanks(vtkAlgorithm* algorithm, const Ranks& ranks, const Body& body)
     [&] {
       try
       {
+        requireFiniteParameters(algorithm);
         body();
       }
       catch (const std::bad_alloc&)

@@ -16,4 +16,7 @@ namespace bsv
 /// that of vtkAlgorithm. So a class must print all its properties, no address, and no result of an earlier run.
 BSPLINEVOLUMEFILTERS_EXPORT std::string parametersOf(vtkAlgorithm* algorithm);
 
+/// @throws Error if a number among these properties is not finite, with its label.
+BSPLINEVOLUMEFILTERS_EXPORT void requireFiniteParameters(vtkAlgorithm* algorithm);
+
 } // namespace bsv

@@ -71,6 +71,37 @@ def test_every_property_is_printed():
     assert found > 100
 
 
+def test_numbers_that_are_not_finite_are_refused():
+    found = 0
+    for name, proxy in proxies():
+        for prop in proxy:
+            if prop.tag != "DoubleVectorProperty" or prop.get("information_only") == "1" or proxy.tag == "WriterProxy":
+                continue
+            # Properties with a least value drop what is no number, or take that value.
+            for value in (float("nan"), float("inf")):
+                algorithm = getattr(bsplinevolume, name)()
+                if prop.get("set_number_command"):
+                    getattr(algorithm, prop.get("set_number_command"))(1)
+                values = [0] * (prop.get("use_index") == "1") + [value] * int(
+                    prop.get("number_of_elements_per_command") or prop.get("number_of_elements") or 1)
+                try:
+                    getattr(algorithm, prop.get("command"))(*values)
+                except TypeError:
+                    getattr(algorithm, prop.get("command"))("wall", value)
+                errors = []
+                def keep(_caller, _event, text):
+                    errors.append(text)
+                keep.CallDataType = vtk.VTK_STRING
+                algorithm.AddObserver("ErrorEvent", keep)
+                printed = any("nan" in line or "inf" in line for line in own_text(algorithm))
+                algorithm.Update()
+                if printed:
+                    assert len(errors) == 1 and "is no finite number" in errors[0], (name, prop.get("name"), errors)
+                    found += 1
+    print("%d refusals" % found)
+    assert found > 40
+
+
 def test_equal_objects_print_the_same():
     for name in sorted({name for name, _ in proxies()}):
         cls = getattr(bsplinevolume, name)
