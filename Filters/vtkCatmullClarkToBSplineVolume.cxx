@@ -237,7 +237,7 @@ struct Conversion
 };
 
 /// Joins the pieces that creases alone made. Collective.
-void joinBlocks(Conversion& conversion, const std::vector<bsv::ControlNetStorage>& storage, const bsv::Ranks& ranks)
+void joinBlocks(Conversion& conversion, const std::vector<bsv::ControlNetStorage>& storage, const bsv::Execution& run)
 {
   bsv::JoinedBlocks joined = bsv::joinPieces(conversion.complex);
   std::vector<std::array<std::vector<double>, 3>> knots(joined.blocks.size());
@@ -245,6 +245,7 @@ void joinBlocks(Conversion& conversion, const std::vector<bsv::ControlNetStorage
   bsv::RuleCounts counts{};
   for (std::size_t b = 0; b < nets.size(); ++b)
   {
+    run.report(static_cast<double>(b) / static_cast<double>(nets.size()));
     const bsv::JoinedBlock& block = joined.blocks[b];
     for (int d = 0; d < 3; ++d)
     {
@@ -262,7 +263,7 @@ void joinBlocks(Conversion& conversion, const std::vector<bsv::ControlNetStorage
     else
     {
       nets[b] = controlNet(joined.complex.blocks[b], knots[b], net);
-      bsv::joinNets(block, conversion.knots, storage, net);
+      bsv::joinNets(block, conversion.knots, storage, net, run);
       for (const int piece : block.pieces)
       {
         conversion.nets[piece] = nullptr;
@@ -274,7 +275,7 @@ void joinBlocks(Conversion& conversion, const std::vector<bsv::ControlNetStorage
     }
   }
   conversion.counts.controlPoints = {};
-  for (const bsv::RuleCounts& ofRank : ranks.gatherAll(std::vector<bsv::RuleCounts>{ counts }))
+  for (const bsv::RuleCounts& ofRank : run.ranks->gatherAll(std::vector<bsv::RuleCounts>{ counts }))
   {
     for (std::size_t rule = 0; rule < ofRank.size(); ++rule)
     {
@@ -1022,7 +1023,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       result.motion = bsv::wallMotion(unfitted, complex, options, rules, part(1.0, 1.0));
       if (this->CreasesInsideBlocks == REPEATED_KNOTS)
       {
-        joinBlocks(result, storage, ranks);
+        joinBlocks(result, storage, part(1.0, 1.0));
       }
     };
     const double end = this->CheckJoins ? 0.8 : 1.0;

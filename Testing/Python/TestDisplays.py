@@ -14,7 +14,7 @@ import tempfile
 import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import simple, vtk, blocks, client, demo_mesh, names, producer, update
+from bsv_support import simple, vtk, blocks, client, creased_mesh, demo_mesh, names, producer, update, values
 from bsv_support import main as run_tests
 from paraview import servermanager
 from vtkmodules.vtkIOImage import vtkPNGReader
@@ -163,6 +163,27 @@ def field_strings(data, name):
 def vtk_length(source):
     bounds = source.GetDataInformation(0).GetBounds()
     return sum((bounds[2 * d + 1] - bounds[2 * d]) ** 2 for d in range(3)) ** 0.5
+
+
+def test_repeated_knots_look_like_cuts():
+    """Creases inside blocks are lines, and the surface has the normals of both sides there."""
+    found = []
+    for inside in ("Cut", "RepeatedKnots"):
+        volume = simple.CatmullClarkToBSplineVolume(Input=producer(creased_mesh()), CreasesInsideBlocks=inside)
+        display = shown(volume)
+        surface = drawn_surface(display)
+        normals = values(surface.GetPointData().GetArray("Normals"))
+        points = [surface.GetPoint(n) + normals[n] for n in range(len(normals))]
+        simple.ResetCamera(VIEW)
+        picture, plain = picture_of(display), picture_of(display, ShowCreases=0)
+        assert share_that_differs(picture, plain) > 0.001
+        found.append((points, surface.GetNumberOfCells(), picture))
+        simple.Delete(volume)
+    (cut, cells, _), (whole, others, _) = found
+    assert cells == others
+    for ones, twos in ((cut, whole), (whole, cut)):
+        assert all(min(math.dist(one, two) for two in twos) < 1e-6 for one in ones)
+    assert share_that_differs(found[0][2], found[1][2]) < 0.001
 
 
 def test_control_nets():

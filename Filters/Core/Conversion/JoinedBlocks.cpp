@@ -223,7 +223,7 @@ std::vector<double> joinedKnots(
 }
 
 void joinNets(const JoinedBlock& block, const std::vector<std::array<std::vector<double>, 3>>& knots,
-  const std::vector<ControlNetStorage>& nets, const ControlNetStorage& to)
+  const std::vector<ControlNetStorage>& nets, const ControlNetStorage& to, const Execution& run)
 {
   const std::array<std::vector<int>, 3> first = firstControlPoints(block, knots);
   const Index rowStride = controlPoints(joinedKnots(block, 0, knots));
@@ -238,16 +238,18 @@ void joinNets(const JoinedBlock& block, const std::vector<std::array<std::vector
         const std::array<std::vector<double>, 3>& own = knots[*piece];
         const ControlNetStorage& from = nets[*piece++];
         const int ni = controlPoints(own[0]), nj = controlPoints(own[1]), nk = controlPoints(own[2]);
-        for (int k = 0; k < nk; ++k)
-        {
-          for (int j = 0; j < nj; ++j)
+        run.parallelFor(nk, 4, [&](Index begin, Index end) {
+          for (Index k = begin; k < end; ++k)
           {
-            const Index source = Index(ni) * (j + Index(nj) * k);
-            const Index target = i0 + rowStride * (j0 + j) + layerStride * (k0 + k);
-            std::copy_n(from.points + 3 * source, 3 * Index(ni), to.points + 3 * target);
-            std::copy_n(from.rules + source, ni, to.rules + target);
+            for (int j = 0; j < nj; ++j)
+            {
+              const Index source = Index(ni) * (j + Index(nj) * k);
+              const Index target = i0 + rowStride * (j0 + j) + layerStride * (k0 + k);
+              std::copy_n(from.points + 3 * source, 3 * Index(ni), to.points + 3 * target);
+              std::copy_n(from.rules + source, ni, to.rules + target);
+            }
           }
-        }
+        });
       }
     }
   }

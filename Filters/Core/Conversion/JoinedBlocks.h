@@ -45,6 +45,6 @@ std::vector<double> joinedKnots(
 /// Puts the nets of the pieces of a block together; neighbours share a plane of points. @param nets per piece @param to
 /// room for the whole net
 void joinNets(const JoinedBlock& block, const std::vector<std::array<std::vector<double>, 3>>& knots,
-  const std::vector<ControlNetStorage>& nets, const ControlNetStorage& to);
+  const std::vector<ControlNetStorage>& nets, const ControlNetStorage& to, const Execution& run = {});
 
 } // namespace bsv

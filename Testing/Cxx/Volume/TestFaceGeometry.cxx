@@ -2,6 +2,7 @@
 /// Points, normals and curvatures of block faces, against a sphere and against the evaluation of the volume.
 #include "Mesh/BlockTopology.h"
 #include "Volume/FaceGeometry.h"
+#include "Volume/VolumeParts.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -148,4 +149,44 @@ TEST(FaceGeometry, AllFacesAndLayersOfAVolumeAreWhereItsEvaluationIs)
       }
     }
   }
+}
+
+// Where a face is only continuous, both sides have a sample of their own: those of the parts of the block.
+TEST(FaceGeometry, BothSidesOfARepeatedKnot)
+{
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> noise(-0.2, 0.2);
+  BSplineVolume volume;
+  volume.degree = { 3, 2, 1 };
+  volume.knots = { std::vector<double>{ 0, 0, 0, 0, 1, 3, 3, 3, 4, 4, 4, 4 }, { -1, -1, -1, 0, 0, 2, 2, 2 },
+    { 0, 0, 1, 1 } };
+  std::vector<double> points;
+  for (int n = 0; n < volume.count(0) * volume.count(1) * 2; ++n)
+  {
+    const int a = n % volume.count(0), b = n / volume.count(0) % volume.count(1);
+    points.insert(points.end(), { a + noise(random), b + noise(random), n / volume.count(0) / volume.count(1) + 0.0 });
+  }
+  volume.points = points.data();
+  const FaceGeometry whole = faceGeometry(volume, 4, 2, {}, 0, true);
+  EXPECT_EQ(whole.parameters[0], (std::vector<double>{ 0, 0.5, 1, 2, 3, 3, 3.5, 4 }));
+  EXPECT_EQ(whole.parameters[1], (std::vector<double>{ -1, -0.5, 0, 0, 1, 2 }));
+  const VolumeParts parts = cutAtRepeatedKnots({ volume }, {});
+  ASSERT_EQ(parts.volumes.size(), 4u);
+  for (int part = 0; part < 4; ++part)
+  {
+    const FaceGeometry own = faceGeometry(parts.volumes[part], 4, 2);
+    const int s0 = part % 2 == 0 ? 0 : 5, t0 = part / 2 == 0 ? 0 : 3;
+    for (int t = 0; t < own.samples[1]; ++t)
+    {
+      for (int s = 0; s < own.samples[0]; ++s)
+      {
+        const std::size_t here = s + std::size_t(own.samples[0]) * t;
+        const std::size_t there = s0 + s + std::size_t(whole.samples[0]) * (t0 + t);
+        EXPECT_LT((own.points[here] - whole.points[there]).norm(), 1e-14);
+        EXPECT_LT((own.normals[here] - whole.normals[there]).norm(), 1e-13);
+      }
+    }
+  }
+  // One side alone by default.
+  EXPECT_EQ(faceGeometry(volume, 4, 2).samples, (std::array<int, 2>{ 7, 5 }));
 }
