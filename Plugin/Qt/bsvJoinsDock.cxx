@@ -36,7 +36,7 @@ constexpr int JoinsPort = 4;
 const char* const Columns[] = { "Class", "What", "Blocks", "Jump", "Measure" };
 constexpr int ColumnCount = 5;
 /// The dock is as wide as its columns, up to this.
-constexpr int MostWidth = 460;
+constexpr int MostWidth = 490;
 constexpr int FlightCount = 9;
 constexpr int FlightRole = Qt::UserRole;
 
