@@ -132,12 +132,16 @@ def test_repeated_knots():
         for measured in (proxy, quality, smoothness):
             update(measured)
             measured.UpdatePropertyInformation()
+        samples, _ = update(simple.BSplineVolumeSampler(Input=proxy))
+        cells, _ = update(simple.BSplineVolumeToBezierCells(Input=proxy, Cells="Volume"))
         found.append({"data": data, "report": proxy.Report, "all": (
             [smoothness.GetProperty("Maximum" + name).GetData() for name in (
                 "Gap", "NormalJump", "LayerJump", "Kink", "C1Jump", "C2Jump")],
             smoothness.NumberOfInterfaces, smoothness.NumberOfWallBorders, smoothness.Report.split(" joins: ")[1][:40],
             quality.NumberOfSpans, quality.NumberOfInvalidSpans, quality.NumberOfUndecidedSpans,
-            proxy.NumberOfCheckedSpans, proxy.NumberOfInvalidSpans)})
+            proxy.NumberOfCheckedSpans, proxy.NumberOfInvalidSpans, cells.GetNumberOfCells(),
+            len({point for block in blocks(samples) for point in values(coordinates(block))}),
+            len(set(values(coordinates(cells)))))})
         assert proxy.NumberOfControlPoints == sum(rule_counts(data).values())
         assert proxy.NumberOfBlocks == len(blocks(data))
     cut, whole = found
