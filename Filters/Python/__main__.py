@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command: python3 -m bsplinevolume convert|check|report|levels|formats ..."""
 import argparse
+import os
 import sys
 
 import bsplinevolume as bsv
@@ -45,9 +46,9 @@ def properties_of(arguments):
     if arguments.body:
         properties["BodyBoundaries"] = arguments.body.split(",")
     if arguments.body_faces:
-        numbers = [int(n) for n in arguments.body_faces.split(",")]
-        if len(numbers) % 2:
-            raise bsv.Error("--body-faces takes pairs of block and face")
+        numbers = [int(n) if n.strip().isdecimal() else None for n in arguments.body_faces.split(",")]
+        if len(numbers) % 2 or None in numbers:
+            raise bsv.Error(f"--body-faces {arguments.body_faces}: pairs of block and face are wanted, such as 0,4,1,4")
         properties["BodyFaces"] = list(zip(numbers[::2], numbers[1::2]))
     if arguments.crease_angle is not None:
         properties.update(UseCreaseAngle=True, CreaseAngle=arguments.crease_angle)
@@ -71,6 +72,8 @@ def converted(arguments):
 
 
 def convert(arguments):
+    for path in arguments.output:
+        pipeline.writer_of(path)  # not to fail after the work
     volume = converted(arguments)
     print(volume.report)
     for path in arguments.output:
@@ -89,6 +92,7 @@ def check(arguments):
 
 
 def report(arguments):
+    pipeline.require_folder(arguments.output)
     volume = converted(arguments)
     missing = html_report.write(
         arguments.output, arguments.mesh, arguments.body_file, volume, properties_of(arguments))
@@ -99,10 +103,14 @@ def report(arguments):
 
 
 def levels(arguments):
+    if pipeline.writer_of(arguments.output)[1]:
+        raise bsv.Error(f"{arguments.output}: the file would be the exact volume, which has no levels")
     volume = converted(arguments)
     for level in range(arguments.levels + 1):
-        name, dot, ending = arguments.output.rpartition(".")
-        path = f"{name}_L{level}{dot}{ending}"
+        name, ending = os.path.splitext(arguments.output)
+        path = f"{name}_L{level}{ending}"
+        if ending.lower() == ".foam":  # a case is a folder
+            path = os.path.join(f"{name}_L{level}", os.path.basename(path))
         cells = sum((s.shape[0] - 1) * (s.shape[1] - 1) * (s.shape[2] - 1) for s in volume.sample(level))
         volume.write(path, level=level)
         print(f"level {level}: {cells} cells, {path}")
@@ -135,14 +143,15 @@ def main(words=None):
     one = commands.add_parser("levels", help="a nested family of meshes")
     conversion_arguments(one)
     one.add_argument("output", help="file; its name gets _L0, _L1, ...")
-    one.add_argument("--levels", type=int, default=2, help="the finest level (2)")
+    one.add_argument("--levels", type=int, default=2, choices=range(9), metavar="0..8",
+                     help="the finest level (2)")
     one.set_defaults(run=levels)
     one = commands.add_parser("formats", help="the endings of files that can be written")
     one.set_defaults(run=formats)
     arguments = parser.parse_args(words)
     try:
         return arguments.run(arguments)
-    except bsv.Error as error:
+    except (bsv.Error, OSError) as error:
         print("error:", error, file=sys.stderr)
         return 3
 

@@ -243,12 +243,26 @@ WRITERS = {
 }
 
 
-def write(path, volume, samples, properties):
-    """Writes by the ending of `path`. @param samples a function of no argument that gives the sampled mesh"""
+def writer_of(path):
+    """Class of the writer for the ending of `path`, and whether it writes the exact volume; a folder that is missing is
+    an error, too."""
     ending = os.path.splitext(path)[1].lower()
     if ending not in WRITERS:
         raise Error(f"{path}: no writer for the ending '{ending}'; there are " + " ".join(sorted(WRITERS)))
-    name, exact = WRITERS[ending]
+    if ending != ".foam":  # a case makes its folder
+        require_folder(path)
+    return WRITERS[ending]
+
+
+def require_folder(path):
+    folder = os.path.dirname(os.path.abspath(path))
+    if not os.path.isdir(folder):
+        raise Error(f"{path}: there is no folder {folder}")
+
+
+def write(path, volume, samples, properties):
+    """Writes by the ending of `path`. @param samples a function of no argument that gives the sampled mesh"""
+    name, exact = writer_of(path)
     writer = getattr(BSplineVolumeWriters, name)()
     writer.SetFileName(os.fspath(path))
     set_properties(writer, properties)

@@ -177,6 +177,39 @@ def test_settings_of_the_command():
             assert status == 3 and words in text, (setting, text)
 
 
+def test_mistakes_in_the_command():
+    with tempfile.TemporaryDirectory() as folder:
+        mesh = os.path.join(folder, "wing.xyz")
+        bsv.convert(wing()).write(mesh, level=0)
+        gone = os.path.join(folder, "gone", "out")
+
+        def run(*words):
+            text = io.StringIO()
+            with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
+                try:
+                    status = command(list(words))
+                except SystemExit as end:
+                    status = end.code
+            return status, text.getvalue()
+
+        # Before any work.
+        for words, expected in ((("convert", mesh, "--body-faces", "a,b"), "pairs of block and face"),
+                                (("convert", mesh, "--body-faces", "0"), "pairs of block and face"),
+                                (("convert", mesh, "--output", gone + ".qfmb"), "no folder"),
+                                (("convert", mesh, "--output", mesh + ".txt"), "no writer for the ending '.txt'"),
+                                (("report", mesh, "--output", gone + ".html"), "no folder"),
+                                (("levels", mesh, os.path.join(folder, "level")), "no writer for the ending ''"),
+                                (("levels", mesh, os.path.join(folder, "level.qfmb")), "no levels"),
+                                (("levels", mesh, os.path.join(folder, "level.cgns"), "--levels", "-1"), "invalid choice"),
+                                (("levels", mesh, os.path.join(folder, "level.cgns"), "--levels", "9"), "invalid choice")):
+            status, text = run(*words)
+            assert status in (2, 3) and expected in text and "spans" not in text, (words, status, text)
+        # Cases of OpenFOAM are folders: no level replaces another.
+        status, text = run("levels", mesh, os.path.join(folder, "case.foam"), "--levels", "1")
+        points = [os.path.join(folder, "case_L%d" % n, "constant", "polyMesh", "points") for n in range(2)]
+        assert status == 0 and os.path.getsize(points[0]) < os.path.getsize(points[1]), text
+
+
 def test_errors():
     for call, words in ((lambda: bsv.convert("missing.xyz"), "missing.xyz does not exist"),
                         (lambda: bsv.convert(wing(), WallSpacing=2.0), "2"),

@@ -198,6 +198,11 @@ void AtomicFile::create()
     }
     this->Mode = status.st_mode & 07777;
   }
+  else if (errno != ENOENT)
+  {
+    // Such as a name that is too long, which only the end would find.
+    this->fail("create");
+  }
   const TemporaryNames names(this->Target);
   names.removeLeftovers();
   for (int attempt = 0; this->Descriptor < 0; ++attempt)

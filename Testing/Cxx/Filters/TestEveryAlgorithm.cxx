@@ -451,6 +451,20 @@ TEST(Readers, WithoutAFileNameRaiseOneMessage)
   expectOneMessageWithoutFileName<vtkQuadflowReader>();
 }
 
+TEST_F(EveryAlgorithm, WritersWriteNoFileOfNothing)
+{
+  vtkNew<vtkPartitionedDataSetCollection> nothing;
+  for (const Inputs::Case& which : All->writers())
+  {
+    meshfiles::writeFile(which.file, "old");
+    const vtkSmartPointer<vtkAlgorithm> writer = which.make();
+    writer->SetInputDataObject(0, nothing);
+    EXPECT_EQ(errors(algorithms::run(writer)).size(), 1u) << which.name;
+    EXPECT_EQ(meshfiles::readFile(which.file), "old") << which.name;
+    algorithms::run(which.make());
+  }
+}
+
 TEST_F(EveryAlgorithm, WritersThatFailOrAreStoppedLeaveTheOldFile)
 {
   for (const Inputs::Case& which : All->writers())

@@ -154,7 +154,8 @@ TEST_F(AtomicFiles, NamesAreAsLongAsTheFileSystemTakes)
   EXPECT_EQ(read(this->Folder / a), "a");
   EXPECT_EQ(read(this->Folder / b), "b");
   EXPECT_EQ(this->names().size(), 3u);
-  EXPECT_THROW(write(this->Folder / (a + "a"), ""), bsv::FileError);
+  // At once, before anything is written.
+  EXPECT_THROW(AtomicFile((this->Folder / (a + "a")).string()), bsv::FileError);
 }
 
 TEST_F(AtomicFiles, NoRoomIsSaidAndTheOldFileStays)
