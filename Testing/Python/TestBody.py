@@ -280,7 +280,8 @@ def test_missing_wall():
 
 
 def test_wrong_units():
-    for scale, factor in ((1000.0, "1000"), (0.01, "0.01")):
+    # Of units that are nearly as large, feet and inches of a tenth, the one that fits.
+    for scale, factor in ((1000.0, "1000"), (0.01, "0.01"), (3.2808, "3.2808"), (2.54, "2.54")):
         text = failure(conversion(shell(), ellipsoid(scale)))
         assert "far from the wall" in text and "about %s times" % factor in text, text
     moved = failure(conversion(shell(), ellipsoid(offset=(9, 0, 0))))

@@ -48,7 +48,9 @@ WallDistances wallDistances(
     result.limitPoints = std::max(result.limitPoints, distance[1]);
   }
   const double size = box.diagonal().norm();
-  if (!(result.inputPoints <= 0.2 * size))
+  // In a unit that is some times as large, the body may still be near enough to be taken.
+  const bool isFar = !(result.inputPoints <= 0.2 * size);
+  if (isFar || result.inputPoints > 0.05 * size)
   {
     const auto boxText = [](const Eigen::AlignedBox3d& b) {
       std::ostringstream text;
@@ -58,31 +60,46 @@ WallDistances wallDistances(
     std::ostringstream text;
     text << "the body is far from the wall, up to " << result.inputPoints << ": the wall lies in " << boxText(box)
          << ", the body in " << boxText(body.bounds());
-    const auto liesOn = [&](const auto& map, double factor) {
+    constexpr double Near = 0.05;
+    // Of some of the points, as a fraction of the size; more than Near may be less than it is.
+    const auto farthest = [&](const auto& map, double factor) {
       const Index step = 1 + static_cast<Index>(points.size()) / 100;
-      for (Index i = 0; i < static_cast<Index>(points.size()); i += step)
+      double most = 0.0;
+      for (Index i = 0; i < static_cast<Index>(points.size()) && most <= Near; i += step)
       {
-        if (!(body.closestPoint(map(points[i])).distance <= 0.05 * factor * size))
-        {
-          return false;
-        }
+        const double distance = body.closestPoint(map(points[i])).distance / (factor * size);
+        most = distance <= Near ? std::max(most, distance) : std::numeric_limits<double>::infinity();
       }
-      return true;
+      return most;
     };
+    const auto liesOn = [&](const auto& map) { return farthest(map, 1.0) <= Near; };
     // Units that CAD files and meshes come in, as powers of their ratio.
     const double ratio = body.size() / size;
+    double best = Near, bestFactor = 0.0;
     for (const double unit : { 1000.0, 100.0, 10.0, 25.4, 2.54, 12.0, 39.37, 3.2808 })
     {
       for (const double factor : { unit, 1.0 / unit })
       {
         // A mesh of half a body, or of a part of it, is smaller than the body. In the right unit its wall lies on it.
-        if (ratio > 0.7 * factor && ratio < 3.0 * factor &&
-          liesOn([factor](const Vec3& x) { return Vec3(factor * x); }, factor))
+        const double distance = ratio > 0.7 * factor && ratio < 3.0 * factor
+          ? farthest([factor](const Vec3& x) { return Vec3(factor * x); }, factor)
+          : std::numeric_limits<double>::infinity();
+        if (distance < best)
         {
-          text << "; the body is about " << factor << " times as large: is its unit another one?";
-          throw Error(text.str());
+          best = distance;
+          bestFactor = factor;
         }
       }
+    }
+    if (bestFactor > 0.0)
+    {
+      text << "; the body is about " << bestFactor
+           << " times as large: is its unit another one? Length Unit of its reader converts it";
+      throw Error(text.str());
+    }
+    if (!isFar)
+    {
+      return result;
     }
     // The other half of a model, or a program with left-handed axes.
     for (int d = 0; d < 3; ++d)
@@ -91,7 +108,7 @@ WallDistances wallDistances(
         x[d] = -x[d];
         return x;
       };
-      if (liesOn(image, 1.0))
+      if (liesOn(image))
       {
         text << "; the mirror image of the wall at "
              << "xyz"[d] << " = 0 lies on it: is one of them mirrored, or the other half?";
@@ -99,7 +116,7 @@ WallDistances wallDistances(
       }
     }
     const Vec3 move = body.bounds().center() - box.center();
-    if (liesOn([&move](const Vec3& x) { return Vec3(x + move); }, 1.0))
+    if (liesOn([&move](const Vec3& x) { return Vec3(x + move); }))
     {
       // Bounds of surfaces are as loose as their control points.
       text.precision(2);
