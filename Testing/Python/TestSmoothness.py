@@ -239,7 +239,7 @@ def test_errors():
     good.GetFieldData().AddArray(twice)
     assert "is in two interfaces" in failure(smoothness(good))
 
-    for name, value, text in (("Tolerance", -1, "tolerance"), ("GapTolerance", float("nan"), "gap tolerance"),
+    for name, value, text in (("Tolerance", -1, "tolerance"), ("GapTolerance", float("nan"), "Gap Tolerance"),
                               ("MatchTolerance", 0.5, "MatchTolerance")):
         proxy = smoothness(bent(0))
         getattr(client(proxy), "Set" + name)(value)
