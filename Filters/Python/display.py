@@ -4,7 +4,7 @@
     python3 display.py [--screen 1600x1200x24] COMMAND [ARGUMENT]...
 
 xvfb-run, which does the same, waits for a signal of the server. Where that comes first, as on a busy machine, it waits for
-ever; and two of them that start at once can pick the same number. Xvfb tells its number itself when it is ready.
+ever; and two of them that start at once can pick the same number. Xvfb itself tells when it is ready.
 """
 import contextlib
 import os
@@ -13,6 +13,23 @@ import signal
 import subprocess
 import sys
 import tempfile
+
+
+def _start(number, screen, authority):
+    """The server once it is ready; or None, and what it said."""
+    reading, writing = os.pipe()
+    with tempfile.TemporaryFile() as log:
+        # Without -noreset the server restarts, and refuses clients, each time its last client has gone.
+        server = subprocess.Popen(
+            ["Xvfb", ":%d" % number, "-displayfd", str(writing), "-screen", "0", screen, "-nolisten", "tcp", "-noreset",
+             "-auth", authority], pass_fds=[writing], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        os.close(writing)
+        with os.fdopen(reading) as file:
+            if file.readline():
+                return server, ""
+        server.wait()
+        log.seek(0)
+        return None, log.read().decode(errors="replace").strip()
 
 
 @contextlib.contextmanager
@@ -26,21 +43,16 @@ def display(screen="1600x1200x24"):
         name = b"MIT-MAGIC-COOKIE-1"
         with open(authority, "wb") as file:
             file.write(b"\xff\xff\0\0\0\0" + len(name).to_bytes(2, "big") + name + b"\0\x10" + os.urandom(16))
-        log = os.path.join(folder, "log")
-        reading, writing = os.pipe()
-        # Without -noreset the server restarts, and refuses clients, each time its last client has gone.
-        with open(log, "w") as file:
-            server = subprocess.Popen(
-                ["Xvfb", "-displayfd", str(writing), "-screen", "0", screen, "-nolisten", "tcp", "-noreset", "-auth", authority],
-                pass_fds=[writing], stdin=subprocess.DEVNULL, stdout=file, stderr=file)
-        os.close(writing)
+        # Not display 0, at which other programs look for a graphics card.
+        first = 100 + os.getpid() % 400
+        for number in range(first, first + 20):
+            server, log = _start(number, screen, authority)
+            if server:
+                break
+        else:
+            raise OSError("Xvfb does not start: " + log)
         try:
-            with os.fdopen(reading) as file:
-                number = file.readline().strip()
-            if not number:
-                with open(log, errors="replace") as file:
-                    raise OSError("Xvfb does not start: " + file.read().strip())
-            yield dict(os.environ, DISPLAY=":" + number, XAUTHORITY=authority)
+            yield dict(os.environ, DISPLAY=":%d" % number, XAUTHORITY=authority)
         finally:
             server.terminate()
             server.wait()
