@@ -131,6 +131,10 @@ def test_convergence():
         rim = {("upper_0", "tip_0"), ("lower_0", "tip_0")}
         border = max(jump.GetValue(row) for row in range(table.GetNumberOfRows())
                      if kind.GetValue(row) == "wall border" and (a.GetValue(row), b.GetValue(row)) not in rim)
+        # A wall that turns as much as a crease is one.
+        of = table.GetColumnByName("Class")
+        assert not [row for row in range(table.GetNumberOfRows()) if kind.GetValue(row) == "wall border"
+                    and of.GetValue(row) == "defect" and jump.GetValue(row) > 30.0]
         rows.append((deviation.MaximumDistance, deviation.RMSDistance, border))
         rates = [math.log2(a / b) for a, b in zip(rows[-2], rows[-1])] if len(rows) > 1 else [float("nan")] * 3
         print("| %d | %.3g | %.2f | %.3g | %.2f | %.3g | %.2f |" % (

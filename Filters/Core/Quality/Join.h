@@ -108,6 +108,10 @@ struct Join
   bool crease = false;
   /// An interface that ends at a crease.
   bool atCrease = false;
+  /// Whether a crease or a reentrant edge of the outer boundary ends at one of its corners, and the largest jump of
+  /// layers, in degrees, farther from such corners than two spans.
+  bool atKinkedVertex = false;
+  double layerJumpAway = 0.0;
   /// Whether the layers through s, or t, are bound to kink: an extraordinary edge or a crease of the interface runs
   /// along them.
   std::array<bool, 2> boundToKink{ false, false };

@@ -63,6 +63,11 @@ ClassifiedJoin classifyJoin(const Join& join)
   {
     return { JoinClass::Deliberate, "at an extraordinary edge" };
   }
+  // What a corner of the body leaves around it fades within two spans.
+  if (join.atKinkedVertex && join.layerJumpAway <= SingleKnotKink)
+  {
+    return { JoinClass::Expected, "at the end of a crease or reentrant edge" };
+  }
   return { JoinClass::Defect, "kink" };
 }
 

@@ -4,12 +4,12 @@
 ///
 /// - Smooth: C1 or C2.
 /// - Deliberate: G1, as the rules make it at extraordinary edges and where the spacing of layers changes; and a kink of
-/// at
-///   most 10 degrees at an extraordinary edge, as the rules with single knots leave it (Continuity ExactG1 does not).
+///   at most 10 degrees at an extraordinary edge, as the rules with single knots leave it (Continuity ExactG1 does
+///   not).
 /// - Expected: C0, but something at the join is bound to kink: it is a crease or ends at one, at a reentrant edge of
-/// the
-///   outer boundary (three or more blocks meet there), or at a singular node (extraordinary edges of both directions
-///   end at a corner of the interface).
+///   the outer boundary (three or more blocks meet there), or at a singular node (extraordinary edges of both
+///   directions end at a corner of the interface); or it kinks by more than 10 degrees only within two spans from a
+///   corner where a crease or reentrant edge ends.
 /// - Defect: the sides have a gap, or layers kink without such a reason.
 #pragma once
 

@@ -86,7 +86,8 @@ std::vector<Join> outerBorders(const SharedEntities& shared)
   return borders;
 }
 
-/// Whether the control points of a border, without its ends, are all made by crease or corner rules.
+/// Whether the control points of the middle third of a border are all made by crease or corner rules: near its ends
+/// those of the vertices may hold, as where a crease ends at an extraordinary one.
 /// @param rules of the block `whole`, whose part from control point `first` on `volume` is
 bool taggedCrease(const Join& join, const BSplineVolume& volume, const BSplineVolume& whole, const Ijk& first,
   const unsigned char* rules)
@@ -97,7 +98,8 @@ bool taggedCrease(const Join& join, const BSplineVolume& volume, const BSplineVo
   }
   const int edge = join.sides[0].edge;
   const int d = edgeDirection(edge);
-  for (int n = 1; n + 1 < volume.count(d); ++n)
+  const int last = volume.count(d) - 1, begin = std::min((last + 3) / 3, last / 2);
+  for (int n = begin; n <= last - begin; ++n)
   {
     Ijk p;
     p[d] = n;
@@ -149,6 +151,64 @@ void describeInterface(const SharedEntities& shared, const std::vector<bool>& cr
     join.valences[n] = signedValence(shared, join.sides[0].block, faceEdge(join.sides[0].face, axis, n % 2));
     join.atCrease = join.atCrease || crease[edge];
     join.boundToKink[axis] = join.boundToKink[axis] || crease[edge] || isExtraordinary(entity);
+  }
+}
+
+/// Per vertex, whether a crease or a reentrant edge of the outer boundary ends there.
+std::vector<bool> kinkedVertices(const SharedEntities& shared, const std::vector<bool>& crease)
+{
+  std::vector<bool> result(shared.vertices, false);
+  for (std::size_t e = 0; e < shared.edges.size(); ++e)
+  {
+    const SharedEntities::Edge& edge = shared.edges[e];
+    for (const int vertex : edge.vertices)
+    {
+      result[vertex] = result[vertex] || crease[e] || (edge.boundary && edge.uses >= 3);
+    }
+  }
+  return result;
+}
+
+/// Join::atKinkedVertex, and on the rank that measures it Join::layerJumpAway.
+void describeCorners(const SharedEntities& shared, const std::vector<bool>& kinked, Join& join)
+{
+  const Join::Side& side = join.sides[0];
+  const SharedEntities::Block& block = shared.blocks[side.block];
+  const std::vector<double>& jumps = join.spanMaxima[int(JumpKind::Layer)];
+  const int ns = join.spans[0], nt = join.spans[1];
+  // Samples between spans.
+  const auto at = [&](int s, int t) {
+    const int perS = (join.samples[0] - 1) / ns, perT = (join.samples[1] - 1) / nt;
+    return join.points[perS * s + std::size_t(join.samples[0]) * (perT * t)];
+  };
+  std::vector<bool> isAway(jumps.size(), true);
+  for (int c = 0; c < (join.border() ? 2 : 4); ++c)
+  {
+    const int s = c & 1, t = c >> 1;
+    if (!kinked[block.vertices[join.border() ? edgeCorner(side.edge, s) : faceCorner(side.face, s, t)]])
+    {
+      continue;
+    }
+    join.atKinkedVertex = true;
+    if (jumps.empty())
+    {
+      continue;
+    }
+    // The corner's rule makes the first two control points, which shape two spans; layers may be thinner.
+    const auto from = [](int end, int steps, int count) { return end ? count - steps : steps; };
+    const Vec3 corner = at(from(s, 0, ns), from(t, 0, nt));
+    const double reach = std::max((at(from(s, std::min(2, ns), ns), from(t, 0, nt)) - corner).norm(),
+      (at(from(s, 0, ns), from(t, std::min(2, nt), nt)) - corner).norm());
+    for (std::size_t n = 0; n < jumps.size(); ++n)
+    {
+      const int i = static_cast<int>(n) % ns, j = static_cast<int>(n) / ns;
+      const Vec3 nearest = at(s ? i + 1 : i, t ? j + 1 : j);
+      isAway[n] = isAway[n] && !((nearest - corner).norm() < reach);
+    }
+  }
+  for (std::size_t n = 0; n < jumps.size(); ++n)
+  {
+    join.layerJumpAway = std::max(join.layerJumpAway, isAway[n] ? jumps[n] : 0.0);
   }
 }
 
@@ -449,6 +509,19 @@ SmoothnessResult measureSmoothness(const std::vector<BSplineVolume>& whole,
     return std::all_of(join.sides.begin(), join.sides.end(),
       [&](const Join::Side& side) { return options.isWall(side.block, side.face); });
   });
+
+  const std::vector<bool> kinked = kinkedVertices(shared, crease);
+  std::vector<double> away;
+  for (Join& join : result.joins)
+  {
+    describeCorners(shared, kinked, join);
+    away.push_back(join.layerJumpAway);
+  }
+  run.ranks->share(away, [&](Index n) { return rankOf(volumes, result.joins[n]); });
+  for (std::size_t n = 0; n < away.size(); ++n)
+  {
+    result.joins[n].layerJumpAway = away[n];
+  }
 
   const double gapTolerance = options.gapTolerance * extent(result.joins, *run.ranks);
   for (Join& join : result.joins)
