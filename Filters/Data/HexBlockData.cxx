@@ -818,9 +818,10 @@ vtkSmartPointer<vtkDoubleArray> doublePointArray(
   auto* array = vtkDataArray::SafeDownCast(any);
   if (!array || array->GetNumberOfComponents() != components || array->GetNumberOfTuples() != grid->GetNumberOfPoints())
   {
-    throw Error("Point data array '" + std::string(name) + "' of block '" + block + "' must be numeric with " +
-      std::to_string(components) + " components, but is " + any->GetClassName() + " with " +
-      std::to_string(any->GetNumberOfComponents()) + ".");
+    throw Error("Point data array '" + std::string(name) + "' of block '" + block + "' must have " +
+      std::to_string(components) + " numbers for each of " + std::to_string(grid->GetNumberOfPoints()) +
+      " points, but is " + any->GetClassName() + " with " + std::to_string(any->GetNumberOfComponents()) +
+      " for each of " + std::to_string(any->GetNumberOfTuples()) + ".");
   }
   if (auto* doubles = vtkDoubleArray::SafeDownCast(array))
   {

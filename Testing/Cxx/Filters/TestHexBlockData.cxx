@@ -288,6 +288,10 @@ TEST(HexBlockData, CreaseSharpness)
 
   sharpness->SetNumberOfComponents(2);
   EXPECT_NE(refusal(grid).find("CreaseSharpness"), std::string::npos);
+  sharpness->SetNumberOfComponents(1);
+  sharpness->SetNumberOfTuples(5);
+  EXPECT_NE(refusal(grid).find("each of 8 points, but is vtkFloatArray with 1 for each of 5"), std::string::npos)
+    << refusal(grid);
 }
 
 TEST(HexBlockData, RefusesWhatIsNoBlockMesh)
