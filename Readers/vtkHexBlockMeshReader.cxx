@@ -276,7 +276,7 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
       options.byteOrder = static_cast<bsv::ByteOrder>(this->ByteOrder);
       options.realType = static_cast<bsv::RealType>(this->Precision);
       options.iblank = static_cast<bsv::IBlank>(this->IBlank);
-      const bsv::Plot3DLayout layout = bsv::plot3DLayout(fileName, options);
+      const bsv::Plot3DLayout layout = bsv::plot3DLayout(fileName, options, run);
       blocks = bsv::readPlot3D(fileName, layout, run, piece);
       layoutName = "PLOT3D, " + layout.description();
     }

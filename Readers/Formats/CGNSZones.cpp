@@ -101,7 +101,10 @@ public:
     , Step(step)
   {
     checkCGNSTree(fileName);
-    this->check(cg_open(fileName.c_str(), CG_MODE_READ, &this->File), "");
+    if (cg_open(fileName.c_str(), CG_MODE_READ, &this->File) != CG_OK)
+    {
+      this->fail(std::string("the file cannot be read as CGNS, it is damaged or no such file: ") + cg_get_error());
+    }
     this->IsOpen = true;
   }
   ~CGNSReader()

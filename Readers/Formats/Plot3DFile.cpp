@@ -148,12 +148,20 @@ public:
   /// then on there are no markers. Of a record that is too long for its marker there are several, whose markers are
   /// negative where others follow or precede. @param valueAt(offset) a marker
   template <typename ValueAt>
-  bool joinRecords(Index marker, const ValueAt& valueAt)
+  bool joinRecords(Index marker, const ValueAt& valueAt, const Execution& run)
   {
+    // A file of zeros is a chain of nothing.
+    constexpr Index MostEmpty = 1000;
+    constexpr Index Often = 1 << 12;
     std::vector<Record> records;
     Index content = 0;
+    Index empty = 0;
     for (Index at = 0; at < this->Size;)
     {
+      if (records.size() % Often == 0)
+      {
+        run.report(0.0);
+      }
       if (this->Size - at < 2 * marker)
       {
         return false;
@@ -166,6 +174,10 @@ public:
       if (bytes > 0)
       {
         records.push_back({ content, at + marker });
+      }
+      else if (++empty > MostEmpty)
+      {
+        return false;
       }
       content += bytes;
       at += bytes + 2 * marker;
@@ -806,12 +818,15 @@ Index markerSize(const Plot3DLayout& layout)
                                                : 0;
 }
 
-bool joinRecords(InputFile& file, Plot3DFormat format, ByteOrder order)
+bool joinRecords(InputFile& file, Plot3DFormat format, ByteOrder order, const Execution& run)
 {
   const Index marker = format == Plot3DFormat::Fortran ? 4 : 8;
-  return file.joinRecords(marker, [&](Index at) {
-    return marker == 4 ? Index(readValue<std::int32_t>(file, at, order)) : readValue<std::int64_t>(file, at, order);
-  });
+  return file.joinRecords(
+    marker,
+    [&](Index at) {
+      return marker == 4 ? Index(readValue<std::int32_t>(file, at, order)) : readValue<std::int64_t>(file, at, order);
+    },
+    run);
 }
 
 /// Bytes of a block's values.
@@ -1167,14 +1182,15 @@ std::string otherKindOfBinary(InputFile& file, bool records)
 }
 
 /// The layout of a file whose records are others than usual, such as one per coordinate, or parts of a long one.
-std::optional<Plot3DLayout> joinedLayout(const std::string& fileName, const Plot3DOptions& options)
+std::optional<Plot3DLayout> joinedLayout(
+  const std::string& fileName, const Plot3DOptions& options, const Execution& run)
 {
   for (const Plot3DFormat format : choices(options.format, { Plot3DFormat::Fortran, Plot3DFormat::Fortran64 }))
   {
     for (const ByteOrder order : choices(options.byteOrder, { ByteOrder::LittleEndian, ByteOrder::BigEndian }))
     {
       InputFile file(fileName);
-      if (format == Plot3DFormat::Binary || format == Plot3DFormat::Ascii || !joinRecords(file, format, order))
+      if (format == Plot3DFormat::Binary || format == Plot3DFormat::Ascii || !joinRecords(file, format, order, run))
       {
         continue;
       }
@@ -1215,7 +1231,7 @@ std::optional<Plot3DLayout> joinedLayout(const std::string& fileName, const Plot
   return {};
 }
 
-Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
+Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options, const Execution& run)
 {
   std::vector<Plot3DLayout> fitting;
   std::vector<Failure> failures;
@@ -1277,7 +1293,7 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options)
   {
     throw Error(file.name() + ": " + other);
   }
-  const std::optional<Plot3DLayout> joined = joinedLayout(file.name(), options);
+  const std::optional<Plot3DLayout> joined = joinedLayout(file.name(), options, run);
   if (joined)
   {
     return *joined;
@@ -1424,12 +1440,12 @@ std::string Plot3DLayout::description() const
   return text + (this->iblank == IBlank::Present ? ", with iblank" : ", without iblank");
 }
 
-Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options)
+Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options, const Execution& run)
 {
   InputFile file(fileName);
   refuseEncodings(file);
   const bool ascii = options.format == Plot3DFormat::Automatic ? isText(file) : options.format == Plot3DFormat::Ascii;
-  const Plot3DLayout layout = ascii ? asciiLayout(file, options) : binaryLayout(file, options);
+  const Plot3DLayout layout = ascii ? asciiLayout(file, options) : binaryLayout(file, options, run);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
   {
     const Ijk& counts = layout.counts[b];
@@ -1480,7 +1496,7 @@ std::vector<GridBlock> readPlot3D(
   const std::string& fileName, const Plot3DLayout& layout, const Execution& run, const Piece& piece)
 {
   InputFile file(fileName);
-  if (layout.joined && !joinRecords(file, layout.format, layout.byteOrder))
+  if (layout.joined && !joinRecords(file, layout.format, layout.byteOrder, run))
   {
     throw Error(fileName + ": the file has changed while it was read");
   }

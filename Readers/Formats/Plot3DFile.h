@@ -86,7 +86,7 @@ struct Plot3DLayout : Plot3DOptions
 /// Should several explain the file, the first one whose coordinates are of believable size is taken.
 /// @throws Error if none does: the text names the file and what it is instead (two-dimensional, planes format, a
 /// solution or function file, compressed, UTF-16), or what was tried and where that failed.
-Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options = {});
+Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& options = {}, const Execution& run = {});
 
 /// Whether the header is that of a PLOT3D file, well or ill formed behind it. Never throws.
 bool looksLikePlot3D(const std::string& fileName);

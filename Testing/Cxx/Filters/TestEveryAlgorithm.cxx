@@ -451,6 +451,15 @@ TEST(Readers, WithoutAFileNameRaiseOneMessage)
   expectOneMessageWithoutFileName<vtkQuadflowReader>();
 }
 
+TEST_F(EveryAlgorithm, OtherFilesOfTheSameLibraryAreNamed)
+{
+  vtkNew<vtkHexBlockMeshReader> reader;
+  reader->SetFileName((Folder + "volume.h5").c_str());
+  const Told told = algorithms::run(reader);
+  ASSERT_EQ(told.messages.size(), 1u);
+  EXPECT_NE(told.messages[0].find("volume.h5: the file cannot be read as CGNS"), std::string::npos) << told.messages[0];
+}
+
 TEST_F(EveryAlgorithm, WritersWriteNoFileOfNothing)
 {
   vtkNew<vtkPartitionedDataSetCollection> nothing;

@@ -495,6 +495,18 @@ TEST(HexBlockMeshReader, AbortLeavesNothingAndIsNoError)
   }
 }
 
+TEST(HexBlockMeshReader, RefusesALongFileOfZerosAtOnce)
+{
+  TemporaryFolder folder;
+  for (const char* name : { "zeros.xyz", "zeros.cgns" })
+  {
+    // An empty record in every 8 bytes.
+    writeFile(folder / name, "");
+    std::filesystem::resize_file(folder / name, std::uintmax_t(5) << 30);
+    EXPECT_NE(refusal(folder / name).find("no PLOT3D layout explains the file"), std::string::npos);
+  }
+}
+
 TEST(HexBlockMeshReader, ReadsAgainAfterAnError)
 {
   TemporaryFolder folder;
