@@ -14,7 +14,7 @@ from paraview import simple as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from example_support import (body_case_arguments, body_patches, body_viewpoint, bounds, color_range, convert, data,
-                             legend, look, parser, read_body_case, save, show, surface, views)
+                             legend, look, parser, read_body_case, save, show, surface, views, viridis)
 
 HEIGHT = 1000
 WALL = "#d8dde3"
@@ -54,7 +54,7 @@ def main():
         measured.MaximumDistance, measured.RMSDistance, measured.MaximumNormalDeviation))
     show(pv.ExtractBlock(Input=measured, Assembly="Assembly", Selectors=["/BodyDeviation/Wall"]), deviation,
          array=("POINTS", "Distance"))
-    pv.GetColorTransferFunction("Distance").ApplyPreset("Viridis (matplotlib)", True)
+    viridis("Distance")
     color_range("Distance", 0.0, measured.MaximumDistance)
     legend("Distance", deviation, "distance")
 

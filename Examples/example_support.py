@@ -2,6 +2,7 @@
 """What the example scripts share: arguments, the plugin, access to blocks and boundaries, views side by side."""
 import argparse
 import collections
+import contextlib
 import fnmatch
 import os
 import sys
@@ -299,6 +300,19 @@ def legend(array, view, text, location="Lower Right Corner", **properties):
         setattr(bar, name, value)
     bar.Visibility = 1
     return bar
+
+
+def viridis(array):
+    """Colours an array from violet to yellow."""
+    # The preset's name in ParaView 5 and 6: one does nothing with the other's, or raises an error.
+    for name in ("Viridis (matplotlib)", "Viridis"):
+        with contextlib.suppress(RuntimeError):
+            pv.GetColorTransferFunction(array).ApplyPreset(name, True)
+
+
+def smooth_shaded(source):
+    """The surface with normals at its points. ParaView 6 has another name for the filter."""
+    return (pv.SurfaceNormals if hasattr(pv, "SurfaceNormals") else pv.GenerateSurfaceNormals)(Input=source)
 
 
 def color_range(array, low, high):

@@ -18,7 +18,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPartitionedDataSetCollection
 
 from example_support import (bounds, color_range, convert, data, extract_cells, grids, legend, look, parser,
-                             points, producer, read_mesh, save, show, size, views)
+                             points, producer, read_mesh, save, show, size, views, viridis)
 
 HEIGHT = 620
 
@@ -94,7 +94,7 @@ def main():
     cut.ClipType.Normal = [0.0, -1.0, 0.0]
     cut.Crinkleclip = 1
     show(cut, right, array=("CELLS", "ScaledJacobian"), Representation="Surface With Edges", EdgeColor=[0.3] * 3)
-    pv.GetColorTransferFunction("ScaledJacobian").ApplyPreset("Viridis (matplotlib)", True)
+    viridis("ScaledJacobian")
     color_range("ScaledJacobian", -1.0 if quality.MinimumScaledJacobian < 0 else 0.0, 1.0)
     look(right, bounds(quality), (0.5, -1.0, 0.45), zoom=1.1)
     legend("ScaledJacobian", right, "scaled Jacobian")

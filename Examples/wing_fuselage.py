@@ -24,7 +24,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPartitionedDataSetCol
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
-from example_support import boundary_patches, data, grids, matches, points, rgb, strings
+from example_support import boundary_patches, data, grids, matches, points, rgb, smooth_shaded, strings
 
 WALL = ["wall*"]
 SIZE = [2000, 1200]
@@ -92,7 +92,7 @@ def show(view, xyz, color, lines=(), quads=(), width=1.0):
         mesh.SetVerts(cells)
     source = pv.TrivialProducer()
     source.GetClientSideObject().SetOutput(mesh)
-    display = pv.Show(pv.GenerateSurfaceNormals(Input=source) if len(quads) else source, view)
+    display = pv.Show(smooth_shaded(source) if len(quads) else source, view)
     display.Representation = "Surface" if len(quads) else "Wireframe" if len(lines) else "Points"
     display.ColorArrayName = [None, ""]
     display.AmbientColor = display.DiffuseColor = rgb(color)

@@ -50,6 +50,13 @@ def _basis(knots, degree, u, derivatives):
     return span - degree, np.stack(result)
 
 
+def _shape(grid):
+    """Points per direction, the last one first."""
+    dimensions = [0, 0, 0]
+    grid.GetDimensions(dimensions)
+    return tuple(reversed(dimensions))
+
+
 class Block:
     """One B-spline volume.
 
@@ -64,7 +71,7 @@ class Block:
     def __init__(self, name, grid):
         self.name = name
         self.grid = grid
-        shape = tuple(reversed(grid.GetDimensions()))
+        shape = _shape(grid)
         fields, points = grid.GetFieldData(), grid.GetPointData()
         self.degree = tuple(int(p) for p in vtk_to_numpy(fields.GetArray("Degree")).ravel())
         self.knots = tuple(vtk_to_numpy(fields.GetArray("Knots" + d)).ravel() for d in "UVW")
@@ -170,7 +177,7 @@ class Volume:
         """Points of all blocks with every span cut into 2^level parts: a list of arrays (nw, nv, nu, 3)."""
         data = self.sampled(level, **properties)
         return [vtk_to_numpy(data.GetPartition(n, 0).GetPoints().GetData()).reshape(
-            tuple(reversed(data.GetPartition(n, 0).GetDimensions())) + (3,))
+            _shape(data.GetPartition(n, 0)) + (3,))
             for n in range(data.GetNumberOfPartitionedDataSets())]
 
     def sampled(self, level=1, **properties):

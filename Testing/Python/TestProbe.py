@@ -5,7 +5,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import client, failure, main, simple, update, values
+from bsv_support import client, dimensions, failure, main, simple, update, values
 
 VOLUME = simple.CatmullClarkToBSplineVolume(Input=simple.WingFuselageSource(Resolution=3))
 
@@ -28,7 +28,7 @@ def test_probe_finds_the_samples():
     probe = simple.BSplineVolumeProbe(Input=VOLUME, Points=source, ComputeDerivatives=1)
     update(probe)
     output = client(probe).GetOutputDataObject(0)
-    assert output.GetClassName() == "vtkStructuredGrid" and output.GetDimensions() == grid.GetDimensions()
+    assert output.GetClassName() == "vtkStructuredGrid" and dimensions(output) == dimensions(grid)
     data = output.GetPointData()
     inside = client(probe).GetNumberOfPointsInside()
     assert inside == client(probe).GetNumberOfPoints() == grid.GetNumberOfPoints()
@@ -62,7 +62,7 @@ def test_points_outside():
 def test_surfaces_and_curves():
     _sampler, grid = samples(0)
     there = {tuple(grid.GetPoint(n)) for n in range(grid.GetNumberOfPoints())}
-    size = grid.GetDimensions()
+    size = dimensions(grid)
     for shape, direction, positions in ((0, 2, [0.0, 1.0]), (0, 0, [0.0]), (1, 1, [0.0, 1.0])):
         iso = simple.BSplineVolumeIsoparametric(Input=VOLUME, Shape=shape, Direction=direction, Positions=positions,
                                                 Level=1)
