@@ -144,10 +144,98 @@ std::optional<Vec3> edgeToFollow(const BodySurface& body, const Vec3& point, con
     : std::nullopt;
 }
 
+/// Where a sample of the wall should go: to a point, along a normal, or across an edge of the body with that direction.
+struct SampleTarget
+{
+  Triple point;
+  Triple direction;
+  bool onEdge;
+
+  /// The part of a difference that counts.
+  Vec3 across(const Vec3& difference) const
+  {
+    const Vec3 along = vec3(this->direction).dot(difference) * vec3(this->direction);
+    return this->onEdge ? Vec3(difference - along) : along;
+  }
+};
+
+std::vector<SampleTarget> sampleTargets(
+  const WallSamples& samples, const std::vector<Vec3>& at, const BodySurface& body, const Execution& run)
+{
+  // Sample i of a curve lies between the first and the last one of its span.
+  const auto firstOf = [&](Index i) { return i - (i - samples.firstOnCurves()) % WallSamples::PerSpan; };
+  const auto tangentAt = [&](Index i) { return Vec3(at[firstOf(i) + WallSamples::PerSpan - 1] - at[firstOf(i)]); };
+  struct Foot
+  {
+    SampleTarget surface;
+    Triple edge;
+    bool nearEdge;
+  };
+  const std::vector<Foot> feet = sharedOut<Foot>(samples.size(), 256, run, [&](Index i) {
+    const BodyPoint closest = body.closestPoint(at[i]);
+    Foot foot{ { triple(closest.geometry.point), triple(closest.geometry.normal), false }, {}, false };
+    if (i >= samples.firstOnCurves())
+    {
+      const double spacing = tangentAt(i).norm() * WallSamples::PerSpan / (WallSamples::PerSpan - 1);
+      const std::optional<Vec3> edge = edgeToFollow(body, at[i], closest, spacing);
+      foot.nearEdge = edge.has_value();
+      foot.edge = triple(edge.value_or(Vec3::Zero()));
+    }
+    return foot;
+  });
+  std::vector<SampleTarget> targets;
+  for (const Foot& foot : feet)
+  {
+    targets.push_back(foot.surface);
+  }
+  // Along an edge that is followed its points advance with the samples: not where a curve crosses it.
+  for (Index first = samples.firstOnCurves(); first < samples.size(); first += WallSamples::PerSpan)
+  {
+    const Vec3 tangent = tangentAt(first);
+    bool follows = (vec3(feet[first + WallSamples::PerSpan - 1].edge) - vec3(feet[first].edge)).dot(tangent) >
+      0.5 * tangent.squaredNorm();
+    for (Index i = first; i < first + WallSamples::PerSpan; ++i)
+    {
+      follows = follows && feet[i].nearEdge;
+    }
+    for (Index i = first; follows && i < first + WallSamples::PerSpan; ++i)
+    {
+      targets[i] = { feet[i].edge, triple(tangent.normalized()), true };
+    }
+  }
+  return targets;
+}
+
+/// Conjugate gradients (Hestenes, Stiefel 1952): adds the solution d of A d = `residual` to x, A symmetric and positive
+/// definite, until its residual is `tolerance` of the given one. @param apply A d of a d. @param dot scalar product.
+template <typename Apply, typename Dot>
+void addSolution(
+  const Apply& apply, const Dot& dot, std::vector<Vec3> residual, int steps, double tolerance, std::vector<Vec3>& x)
+{
+  std::vector<Vec3> direction = residual;
+  const double first = dot(residual, residual);
+  double square = first;
+  for (int k = 0; k < steps && square > tolerance * tolerance * first; ++k)
+  {
+    const std::vector<Vec3> image = apply(direction);
+    const double length = square / dot(direction, image);
+    for (std::size_t i = 0; i < x.size(); ++i)
+    {
+      x[i] += length * direction[i];
+      residual[i] -= length * image[i];
+    }
+    const double before = square;
+    square = dot(residual, residual);
+    for (std::size_t i = 0; i < x.size(); ++i)
+    {
+      direction[i] = residual[i] + square / before * direction[i];
+    }
+  }
+}
+
 /// Least squares between the mesh points: of the distances of the samples from the body along its normals, by
-/// Gauss-Newton rounds in each of which closest points are found anew and the linear problem is solved by conjugate
-/// gradients (Hestenes, Stiefel 1952). Creases and borders are fitted as curves, too: to an edge of the body that they
-/// follow, in both directions across it, else along the normals.
+/// Gauss-Newton rounds, in each of which closest points are found anew. Creases and borders are fitted as curves, too:
+/// to an edge of the body that they follow, in both directions across it, else along the normals.
 void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& wall, const std::vector<Vec3>& given,
   const BodySurface& body, const std::vector<Vec3>& target, const Execution& run, std::vector<Vec3>& x,
   BodyFitReport& report)
@@ -166,58 +254,16 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
   for (int round = 0; round <= Rounds; ++round)
   {
     const std::vector<Vec3> at = samples.evaluate(x, run);
-    // Sample i of a curve lies between the first and the last one of its span.
-    const auto firstOf = [&](Index i) { return i - (i - samples.firstOnCurves()) % WallSamples::PerSpan; };
-    const auto tangentAt = [&](Index i) { return Vec3(at[firstOf(i) + WallSamples::PerSpan - 1] - at[firstOf(i)]); };
-    using Foot = std::array<double, 10>; // closest point, its normal, point of an edge, whether there is one
-    std::vector<Foot> feet = sharedOut<Foot>(samples.size(), 256, run, [&](Index i) {
-      const BodyPoint closest = body.closestPoint(at[i]);
-      const Vec3 &y = closest.geometry.point, &n = closest.geometry.normal;
-      Foot foot{ y[0], y[1], y[2], n[0], n[1], n[2], 0.0, 0.0, 0.0, 0.0 };
-      if (i >= samples.firstOnCurves())
-      {
-        const double spacing = tangentAt(i).norm() * WallSamples::PerSpan / (WallSamples::PerSpan - 1);
-        if (const std::optional<Vec3> edge = edgeToFollow(body, at[i], closest, spacing))
-        {
-          std::copy_n(edge->data(), 3, foot.data() + 6);
-          foot[9] = 1.0;
-        }
-      }
-      return foot;
-    });
-    // Along an edge that is followed its points advance with the samples: not where a curve crosses it.
-    for (Index first = samples.firstOnCurves(); first < samples.size(); first += WallSamples::PerSpan)
-    {
-      const Foot& from = feet[first];
-      const Foot& to = feet[first + WallSamples::PerSpan - 1];
-      const Vec3 tangent = tangentAt(first);
-      bool follows = (Vec3(to.data() + 6) - Vec3(from.data() + 6)).dot(tangent) > 0.5 * tangent.squaredNorm();
-      for (Index i = first; i < first + WallSamples::PerSpan; ++i)
-      {
-        follows = follows && feet[i][9] > 0.0;
-      }
-      const Vec3 direction = tangent.normalized();
-      for (Index i = first; i < first + WallSamples::PerSpan; ++i)
-      {
-        feet[i][9] = follows ? 1.0 : 0.0;
-        if (follows)
-        {
-          std::copy_n(feet[i].data() + 6, 3, feet[i].data());
-          std::copy_n(direction.data(), 3, feet[i].data() + 3);
-        }
-      }
-    }
-    // What a sample is off across the edge that it follows, or along the normal.
-    const auto across = [&](Index i, const Vec3& difference) {
-      const Vec3 direction(feet[i].data() + 3);
-      const Vec3 along = direction.dot(difference) * direction;
-      return feet[i][9] > 0.0 ? Vec3(difference - along) : along;
-    };
-    const auto offOf = [&](Index i, const Vec3& x) { return across(i, Vec3(feet[i].data()) - x); };
-    double largest = 0.0, squares = 0.0;
+    const std::vector<SampleTarget> targets = sampleTargets(samples, at, body, run);
+    std::vector<Vec3> off(samples.size());
     for (Index i = 0; i < samples.size(); ++i)
     {
-      const double distance = offOf(i, at[i]).norm();
+      off[i] = targets[i].across(vec3(targets[i].point) - at[i]);
+    }
+    double largest = 0.0, squares = 0.0;
+    for (const Vec3& difference : off)
+    {
+      const double distance = difference.norm();
       largest = std::max(largest, distance);
       squares += distance * distance;
     }
@@ -264,48 +310,30 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
       }
       return sum;
     };
-    std::vector<Vec3> off(samples.size()), fixedOff(count, Vec3::Zero());
-    for (Index i = 0; i < samples.size(); ++i)
-    {
-      off[i] = offOf(i, at[i]);
-    }
+    std::vector<Vec3> fixedOff(count);
     for (Index i = 0; i < count; ++i)
     {
       fixedOff[i] = target[i] - rows.apply(i, x);
     }
-    std::vector<Vec3> residual = gradient(off, fixedOff), direction = residual;
-    const double first = dot(residual, residual);
-    double square = first;
-    for (int k = 0; k < Steps && square > Tolerance * Tolerance * first; ++k)
-    {
+    const auto apply = [&](const std::vector<Vec3>& direction) {
       run.report(0.9);
-      off = samples.evaluate(direction, run);
+      std::vector<Vec3> moved = samples.evaluate(direction, run), fixedMoved(count);
       for (Index i = 0; i < samples.size(); ++i)
       {
-        off[i] = across(i, off[i]);
+        moved[i] = targets[i].across(moved[i]);
       }
       for (Index i = 0; i < count; ++i)
       {
-        fixedOff[i] = rows.apply(i, direction);
+        fixedMoved[i] = rows.apply(i, direction);
       }
-      std::vector<Vec3> image = gradient(off, fixedOff);
+      std::vector<Vec3> image = gradient(std::move(moved), fixedMoved);
       for (Index i = 0; i < count; ++i)
       {
         image[i] += Damping * direction[i];
       }
-      const double length = square / dot(direction, image);
-      for (Index i = 0; i < count; ++i)
-      {
-        x[i] += length * direction[i];
-        residual[i] -= length * image[i];
-      }
-      const double before = square;
-      square = dot(residual, residual);
-      for (Index i = 0; i < count; ++i)
-      {
-        direction[i] = residual[i] + square / before * direction[i];
-      }
-    }
+      return image;
+    };
+    addSolution(apply, dot, gradient(std::move(off), fixedOff), Steps, Tolerance, x);
   }
   x = best;
 }
