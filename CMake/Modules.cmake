@@ -11,6 +11,17 @@ if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)
   set(bsv_display_modules BSplineVolume::BSplineVolumeDisplays)
   set(bsv_display_files "${PROJECT_SOURCE_DIR}/Plugin/Displays/vtk.module")
 endif ()
+
+# bsv_add_library_process(<name> <module>): the program <name>.cxx of a module, which runs third-party libraries in a
+# process of their own. Beside the module's library, which looks for it there.
+function (bsv_add_library_process name module)
+  add_executable("${name}" "${name}.cxx")
+  target_include_directories("${name}" PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}" "${CMAKE_CURRENT_BINARY_DIR}")
+  target_link_libraries("${name}" PRIVATE "BSplineVolume::${module}" BSplineVolumeBuildFlags)
+  set_target_properties("${name}" PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_LIBRARY_OUTPUT_DIRECTORY}")
+  install(TARGETS "${name}" RUNTIME DESTINATION "${bsv_plugin_dir}")
+endfunction ()
+
 vtk_module_scan(
   MODULE_FILES
     "${PROJECT_SOURCE_DIR}/Filters/Core/vtk.module"

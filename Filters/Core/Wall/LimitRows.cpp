@@ -74,7 +74,7 @@ std::array<Index, 2> LimitRows::beside(const Row& row, Index spoke)
   return { row.points[(i + n - 1) % n], row.points[(i + 1) % n] };
 }
 
-bool LimitRows::leavesCrease(const Row& row, Index spoke) const
+bool LimitRows::leavesCrease(const Row& row, Index spoke)
 {
   return row.kind == Kind::Curve && std::find(row.points.begin(), row.points.end(), spoke) == row.points.end();
 }
@@ -88,7 +88,7 @@ Vec3 LimitRows::acrossSpoke(Index id, Index spoke, const std::vector<Vec3>& x) c
     return smoothMask(x[before], x[id], x[after]);
   }
   // On a crease the vertex itself; from a crease into a smooth side the curve.
-  return this->leavesCrease(row, spoke) ? this->apply(id, x) : x[id];
+  return leavesCrease(row, spoke) ? this->apply(id, x) : x[id];
 }
 
 void LimitRows::forWeights(Index id, const VisitWeight& visit) const
@@ -130,7 +130,7 @@ void LimitRows::forWeightsAcross(Index id, const VisitWeight& visit) const
 void LimitRows::forWeightsAcrossSpoke(Index id, Index spoke, const VisitWeight& visit) const
 {
   const Row& row = this->Rows[id];
-  if (this->leavesCrease(row, spoke))
+  if (leavesCrease(row, spoke))
   {
     this->forWeights(id, visit);
     return;

@@ -90,7 +90,7 @@ private:
   void addVertex(const BlockComplex& complex, const EntityRules& rules, const Wall& wall, int v);
 
   /// Whether a vertex on a crease or border has none of its lines along the edge towards `spoke`.
-  bool leavesCrease(const Row& row, Index spoke) const;
+  static bool leavesCrease(const Row& row, Index spoke);
   /// The points beside vertex `id` in the fan inside the wall, around its next point `spoke`.
   static std::array<Index, 2> beside(const Row& row, Index spoke);
 
