@@ -251,8 +251,8 @@ void bsvActions::controlPoints()
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
   vtkSMProxy* display = controller->Show(vtkSMSourceProxy::SafeDownCast(filter->getProxy()), 0, view->getViewProxy());
   vtkSMRepresentationProxy::SetRepresentationType(display, "Control Points");
-  vtkSMPropertyHelper(display, "PointSize").Set(8);
-  vtkSMPropertyHelper(display, "RenderPointsAsSpheres").Set(1);
+  // Flat: spheres are not drawn in front of a wall on which they lie.
+  vtkSMPropertyHelper(display, "PointSize").Set(6);
   display->UpdateVTKObjects();
   // The wall of the mesh as their ground.
   pqOutputPort* mesh = filter->getInputs("Input").first();
