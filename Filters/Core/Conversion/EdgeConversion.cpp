@@ -222,13 +222,12 @@ void convertEdgeLayers(const ConversionContext& context, int edge, int begin, in
       for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
       {
         const FanSector& sector = fan.sectors[i];
-        const ComplexBlock& owner = context.complex.blocks[sector.block];
         const int next = (i + 1) % fan.spokeCount();
         const auto put = [&](int a, int b, const Vec3& point, ControlPointRule rule) {
           Ijk ijk;
-          ijk[sector.along] = innerPosition(sector.reversed ? shared.cells - k : k);
-          ijk[sector.first] = endPosition(sector.side(sector.first), a, owner.cells(sector.first));
-          ijk[sector.second] = endPosition(sector.side(sector.second), b, owner.cells(sector.second));
+          ijk[sector.along] = context.innerPosition(sector.block, sector.along, sector.reversed ? shared.cells - k : k);
+          ijk[sector.first] = context.endPosition(sector.block, sector.first, sector.side(sector.first), a);
+          ijk[sector.second] = context.endPosition(sector.block, sector.second, sector.side(sector.second), b);
           context.write(sector.block, ijk, point, rule);
         };
         put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);

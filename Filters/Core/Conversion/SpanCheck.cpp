@@ -35,7 +35,7 @@ BSplineVolume CheckedNets::volume(int block) const
 
 std::vector<double> CheckedNets::knots(int block, int d) const
 {
-  return volumeKnots(this->Context.complex.blocks[block].cells(d), !this->Doubled.empty() && this->Doubled[block][d]);
+  return volumeKnots(this->Context.complex.blocks[block].cells(d), this->Context.isDoubled(block, d));
 }
 
 std::vector<int> CheckedNets::spansAlong(int block, int d) const
@@ -97,7 +97,7 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
 {
   const ConversionContext& context = this->Context;
   const ComplexBlock& owner = context.complex.blocks[block];
-  const bool single = this->Doubled.empty();
+  const bool single = !context.doubled;
   // Per control point of a direction its first and last span.
   std::array<std::vector<std::array<int, 2>>, 3> reach;
   Ijk spans, count;
@@ -115,16 +115,18 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
       }
     }
   }
-  std::vector<bool> chosen;
+  std::vector<bool> chosen, chosenRows(std::size_t(spans[1]) * spans[2], false);
   const auto choose = [&](const Ijk& first, const Ijk& last) {
     chosen.resize(std::size_t(spans[0]) * spans[1] * spans[2], false);
     for (int k = std::max(0, first[2]); k <= std::min(last[2], spans[2] - 1); ++k)
     {
       for (int j = std::max(0, first[1]); j <= std::min(last[1], spans[1] - 1); ++j)
       {
+        const Index row = j + Index(spans[1]) * k;
+        chosenRows[row] = true;
         for (int i = std::max(0, first[0]); i <= std::min(last[0], spans[0] - 1); ++i)
         {
-          chosen[i + Index(spans[0]) * (j + Index(spans[1]) * k)] = true;
+          chosen[i + spans[0] * row] = true;
         }
       }
     }
@@ -157,14 +159,10 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
     for (int j = 0; j < count[1]; ++j)
     {
       const std::uint8_t* row = context.nets[block].rules + Index(count[0]) * (j + Index(count[1]) * k);
-      // The interior is copied.
-      const bool through = single && j > 1 && j < count[1] - 2 && k > 1 && k < count[2] - 2;
+      const std::array<int, 2> copies = context.copiesInRow(block, j, k);
       for (int i = 0; i < count[0]; ++i)
       {
-        if (through && i == 2)
-        {
-          i = std::max(i, count[0] - 2);
-        }
+        i = i == copies[0] ? copies[1] : i;
         if (isSpecial(row[i]))
         {
           choose(
@@ -196,11 +194,15 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
     }
   }
   std::vector<Index> list;
-  for (std::size_t span = 0; span < chosen.size(); ++span)
+  for (std::size_t row = 0; row < chosenRows.size(); ++row)
   {
-    if (chosen[span])
+    const Index first = spans[0] * static_cast<Index>(row);
+    for (Index span = first; chosenRows[row] && span < first + spans[0]; ++span)
     {
-      list.push_back(static_cast<Index>(span));
+      if (chosen[span])
+      {
+        list.push_back(span);
+      }
     }
   }
   return list;
