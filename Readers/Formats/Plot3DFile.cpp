@@ -118,6 +118,11 @@ public:
     {
       throw Error(fileName + ": cannot be opened for reading");
     }
+    // What most layouts are found by.
+    constexpr Index HeadBytes = 1 << 12;
+    std::string head(static_cast<std::size_t>(std::min(this->Size, HeadBytes)), '\0');
+    this->readPlain(0, head.data(), static_cast<Index>(head.size()));
+    this->Head = std::move(head);
   }
 
   const std::string& name() const { return this->Name; }
@@ -194,6 +199,11 @@ public:
 private:
   void readPlain(Index offset, void* target, Index bytes)
   {
+    if (offset >= 0 && offset + bytes <= static_cast<Index>(this->Head.size()))
+    {
+      this->Head.copy(static_cast<char*>(target), static_cast<std::size_t>(bytes), static_cast<std::size_t>(offset));
+      return;
+    }
     this->Stream.seekg(offset);
     this->Stream.read(static_cast<char*>(target), bytes);
     if (this->Stream.gcount() != bytes || !this->Stream)
@@ -227,6 +237,8 @@ private:
   std::string Name;
   Index Size;
   std::ifstream Stream;
+  /// The first bytes of the file.
+  std::string Head;
   std::vector<Record> Records;
 };
 
@@ -246,12 +258,14 @@ bool isText(InputFile& file)
 class ListReader
 {
 public:
-  explicit ListReader(InputFile& file)
-    : ListReader(file, file.size() - file.textStart())
+  explicit ListReader(InputFile& file, const Execution& run = {})
+    : ListReader(file, file.size() - file.textStart(), run)
   {
   }
-  ListReader(InputFile& file, Index bytes)
+  /// @param run is asked whether to stop after each part
+  ListReader(InputFile& file, Index bytes, const Execution& run = {})
     : File(file)
+    , Run(run)
     , Offset(file.textStart())
     , Remaining(bytes)
     , Buffer(static_cast<std::size_t>(std::min(bytes, Index(1) << 20)))
@@ -385,6 +399,7 @@ private:
   /// Reads on, and drops what lies before At.
   void refill()
   {
+    this->Run.report(0.0);
     this->LinesBefore += std::count(static_cast<const char*>(this->Buffer.data()), this->At, '\n');
     const Index kept = std::copy(this->At, this->End, this->Buffer.data()) - this->Buffer.data();
     const Index added = std::min(this->Remaining, static_cast<Index>(this->Buffer.size()) - kept);
@@ -494,6 +509,7 @@ private:
   }
 
   InputFile& File;
+  const Execution Run;
   /// Where the text goes on that is not in the buffer, and how many bytes there are.
   Index Offset;
   Index Remaining;
@@ -594,7 +610,7 @@ const std::vector<OtherKind>& otherKinds()
 }
 
 /// What an ASCII file of `values` numbers is that is no grid; empty if no kind explains their number.
-std::string otherKindOfText(InputFile& file, Index values)
+std::string otherKindOfText(InputFile& file, Index values, const Execution& run)
 {
   for (const OtherKind& kind : otherKinds())
   {
@@ -606,7 +622,7 @@ std::string otherKindOfText(InputFile& file, Index values)
       }
       try
       {
-        ListReader reader(file);
+        ListReader reader(file, run);
         const int blocks = multiBlock ? reader.integer() : 1;
         Index needed = saturatingSum(multiBlock ? 1 : 0, saturatingProduct(kind.counts, blocks));
         bool possible = blocks >= 1 && needed < values;
@@ -628,6 +644,10 @@ std::string otherKindOfText(InputFile& file, Index values)
           return std::string("the file is ") + kind.text;
         }
       }
+      catch (const Aborted&)
+      {
+        throw;
+      }
       catch (const Error&)
       {
         // Not this one.
@@ -647,9 +667,9 @@ void refuseEncodings(InputFile& file)
   }
 }
 
-Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
+Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options, const Execution& run)
 {
-  ListReader all(file);
+  ListReader all(file, run);
   const Index values = all.countValues();
   const Index lines = all.line();
   const std::size_t firstLine = file.start(1 << 10, file.textStart()).find('\n');
@@ -706,8 +726,8 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
     failure = expected ? mismatch : failure;
   }
   // A word instead of a number, or a missing blank, is the better explanation.
-  ListReader(file).checkNumbers();
-  const std::string other = otherKindOfText(file, values);
+  ListReader(file, run).checkNumbers();
+  const std::string other = otherKindOfText(file, values, run);
   throw Error(other.empty() ? failure : file.name() + ": " + other);
 }
 
@@ -1181,9 +1201,12 @@ std::string otherKindOfBinary(InputFile& file, bool records)
         possible = possible && told;
         for (auto at = header.begin(); possible && at != header.end(); at += kind.counts)
         {
-          const std::vector<Index> own = kind.records({ at, at + kind.counts });
+          const std::vector<Index> counts(at, at + kind.counts);
+          // Each kind has a value of 4 bytes or more for each.
+          possible = product(counts, counts.size()) <= file.size() / 4;
+          const std::vector<Index> own = possible ? kind.records(counts) : std::vector<Index>();
           lengths.insert(lengths.end(), own.begin(), own.end());
-          possible = static_cast<Index>(lengths.size()) <= file.size() / 4;
+          possible = possible && static_cast<Index>(lengths.size()) <= file.size() / 4;
         }
         const int dims = kind.counts == 2 ? 2 : 3;
         for (const bool iblank : { false, true })
@@ -1455,7 +1478,7 @@ Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& opti
   InputFile file(fileName);
   refuseEncodings(file);
   const bool ascii = options.format == Plot3DFormat::Automatic ? isText(file) : options.format == Plot3DFormat::Ascii;
-  const Plot3DLayout layout = ascii ? asciiLayout(file, options) : binaryLayout(file, options, run);
+  const Plot3DLayout layout = ascii ? asciiLayout(file, options, run) : binaryLayout(file, options, run);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
   {
     const Ijk& counts = layout.counts[b];
