@@ -682,7 +682,8 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
   axes.col(0) = alongFirst;
   axes.col(1) = (alongSecond - shape.cosine * alongFirst) / shape.spokes[1][1];
   axes -= normal * (normal.transpose() * axes);
-  const auto solver = axes.colPivHouseholderQr();
+  // Of sizes that the compiler does not know: GCC 16 warns of the known ones inside Eigen 5.
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(axes);
   const std::array<FanMask, 3> second = quadraticFit(shape);
   const double xx = normal.dot(combination(second[0], fan));
   const double xy = normal.dot(combination(second[1], fan));
@@ -715,8 +716,8 @@ Fan projectedFan(const Fan& input, const BodyFoot& foot, Twist twist)
     }
     else if (twist == Twist::SecondFundamentalForm)
     {
-      const Eigen::Vector2d a = solver.solve(offsets[i]);
-      const Eigen::Vector2d b = solver.solve(offsets[next]);
+      const Eigen::Vector2d a = solver.solve(Eigen::VectorXd(offsets[i]));
+      const Eigen::Vector2d b = solver.solve(Eigen::VectorXd(offsets[next]));
       points.sectors[i] += (xx * a[0] * b[0] + xy * (a[0] * b[1] + a[1] * b[0]) + yy * a[1] * b[1]) * normal;
     }
   }
