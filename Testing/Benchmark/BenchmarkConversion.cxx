@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The conversion alone, from a block complex to control nets: six blocks around a sphere, whose wall is a body, with
 // eight extraordinary edges, points in double and in single precision; the same without the check of spans near special
-// rules, and with double knots (exact G1); and more and more blocks of 20^3 cells.
+// rules; a curved box in blocks of 17^3 points, and the same in one block.
 #include "BenchmarkSupport.h"
 #include "MeshSizes.h"
 
@@ -12,20 +12,13 @@ namespace
 
 struct Conversion
 {
-  Conversion(const bsv::BlockMesh& mesh, bsv::Continuity continuity = bsv::Continuity::SingleKnots)
+  Conversion(const bsv::BlockMesh& mesh)
     : complex(bsv::buildBlockComplex(mesh))
   {
     this->options.roles.assign(this->complex.boundaryNames.size(), bsv::BoundaryRole::Body);
-    this->options.continuity = continuity;
-    const auto knots = bsv::conversionKnots(this->complex, this->options);
-    for (std::size_t b = 0; b < knots.size(); ++b)
+    for (const bsv::ComplexBlock& block : this->complex.blocks)
     {
-      const bsv::ComplexBlock& block = this->complex.blocks[b];
-      bsv::Index size = 1;
-      for (int d = 0; d < 3; ++d)
-      {
-        size *= static_cast<bsv::Index>(knots[b][d].size()) - 4;
-      }
+      const bsv::Index size = bsv::Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
       this->points.emplace_back(3 * size);
       this->rules.emplace_back(size);
       this->nets.push_back({ this->points.back().data(), this->rules.back().data() });
@@ -63,28 +56,26 @@ struct SphereConversion
   : bsvbench::SphereCase
   , Conversion
 {
-  SphereConversion(bsv::Index points, bool isFloat, bsv::Continuity continuity)
+  SphereConversion(bsv::Index points, bool isFloat)
     : SphereCase(points, isFloat)
-    , Conversion(this->blocks, continuity)
+    , Conversion(this->blocks)
   {
   }
 };
 
-void conversion(benchmark::State& state, bool isFloat, bsv::CheckSpans check,
-  bsv::Continuity continuity = bsv::Continuity::SingleKnots)
+void conversion(benchmark::State& state, bool isFloat, bsv::CheckSpans check)
 {
   const bsv::Index points = bsvbench::pointsOf(state);
-  const bool exact = continuity == bsv::Continuity::ExactG1;
-  SphereConversion& work = bsvbench::cached<SphereConversion>(
-    4 * points + 2 * exact + isFloat, [&] { return SphereConversion(points, isFloat, continuity); });
+  SphereConversion& work =
+    bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); });
   work.options.checkSpans = check;
   run(state, work);
 }
 
 struct BoxConversion
 {
-  explicit BoxConversion(bsv::Index points)
-    : mesh(bsvbench::boxOfBlocks(points, 20))
+  BoxConversion(bsv::Index points, int cells)
+    : mesh(bsvbench::boxOfBlocks(points, cells))
     , conversion(this->mesh.mesh())
   {
   }
@@ -93,10 +84,13 @@ struct BoxConversion
   Conversion conversion;
 };
 
-void conversionOfBlocks(benchmark::State& state)
+/// @param cells per direction of a block; 0: one block.
+void conversionOfBox(benchmark::State& state, int cells)
 {
   const bsv::Index points = bsvbench::pointsOf(state);
-  run(state, bsvbench::cached<BoxConversion>(points, [&] { return BoxConversion(points); }).conversion);
+  const int size = cells > 0 ? cells : static_cast<int>(std::lround(std::cbrt(double(points)))) - 1;
+  run(state,
+    bsvbench::cached<BoxConversion>(2 * points + (cells > 0), [&] { return BoxConversion(points, size); }).conversion);
 }
 
 void doubleSizes(benchmark::internal::Benchmark* benchmark)
@@ -105,8 +99,6 @@ void doubleSizes(benchmark::internal::Benchmark* benchmark)
 }
 BENCHMARK_CAPTURE(conversion, double, false, bsv::CheckSpans::SpecialRules)->Apply(doubleSizes);
 BENCHMARK_CAPTURE(conversion, unchecked, false, bsv::CheckSpans::None)->Apply(doubleSizes);
-BENCHMARK_CAPTURE(conversion, exactG1, false, bsv::CheckSpans::SpecialRules, bsv::Continuity::ExactG1)
-  ->Apply(doubleSizes);
 
 void floatSizes(benchmark::internal::Benchmark* benchmark)
 {
@@ -114,7 +106,8 @@ void floatSizes(benchmark::internal::Benchmark* benchmark)
 }
 BENCHMARK_CAPTURE(conversion, float, true, bsv::CheckSpans::SpecialRules)->Apply(floatSizes);
 
-BENCHMARK(conversionOfBlocks)->Apply(doubleSizes);
+BENCHMARK_CAPTURE(conversionOfBox, blocks of 17 ^ 3, 16)->Apply(doubleSizes);
+BENCHMARK_CAPTURE(conversionOfBox, one block, 0)->Apply(doubleSizes);
 
 } // namespace
 

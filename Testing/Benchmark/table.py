@@ -80,13 +80,14 @@ def print_table(header, lines):
 def jobs(build):
     folder = os.path.dirname(os.path.abspath(__file__))
     plugin = glob.glob(os.path.join(build, "lib*", "**", "BSplineVolume.so"), recursive=True)[0]
-    for kind in ("double", "float"):
+    for kind, joins in (("double", []), ("double", ["joins"]), ("float", [])):
         for threads in (1, 2):
             environment = dict(os.environ, VTK_SMP_BACKEND_IN_USE="STDThread", VTK_SMP_MAX_THREADS=str(threads))
-            done = subprocess.run(["pvpython", os.path.join(folder, "measure_filter.py"), plugin, "10000000", kind],
-                                  stdout=subprocess.PIPE, text=True, check=True, env=environment)
+            command = ["pvpython", os.path.join(folder, "measure_filter.py"), plugin, "10000000", kind] + joins
+            done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, env=environment)
             result = json.loads(done.stdout)
-            yield ["conversion filter, %s, %.0e points, %d threads" % (kind, result["points"], threads),
+            yield ["conversion filter%s, %s, %.0e points, %d threads" % (
+                       " with Check Joins" if joins else "", kind, result["points"], threads),
                    "%.2f s" % result["filter_seconds"], "%.1f times a copy" % result["ratio"],
                    "memory beyond input and output: %.1f %% of the input" % (100 * result["extra_memory"])]
     done = subprocess.run([sys.executable, os.path.join(folder, "measure_job.py"), plugin],

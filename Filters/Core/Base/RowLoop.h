@@ -7,7 +7,7 @@
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__)
-#define BSV_ROW_LOOP __attribute__((target_clones("avx2", "default"), noinline))
+#define BSV_ROW_LOOP __attribute__((target_clones("avx512f", "avx2", "default"), noinline))
 #else
 #define BSV_ROW_LOOP
 #endif

@@ -21,7 +21,7 @@ namespace bsv
 namespace
 {
 
-/// Nets from this size on, bytes in all, are streamed: more than caches hold.
+/// Nets of large blocks from this size on, bytes in all, are streamed: more than caches hold.
 constexpr Index StreamedBytes = Index(32) << 20;
 
 /// Converts the sides to which a far-field extension is attached, and places the extension's first layer after them.
@@ -71,13 +71,11 @@ void placeExtension(const ConversionContext& context, const LocalStars& stars, F
     for (int axis = 0; axis < 2; ++axis)
     {
       const int d = faceAxis(use.face, axis);
-      position[d] = st[axis] == 0    ? 0
-        : st[axis] == owner.cells(d) ? context.count(use.block, d) - 1
-                                     : context.innerPosition(use.block, d, st[axis]);
+      position[d] = st[axis] == 0 ? 0 : st[axis] == owner.cells(d) ? owner.cells(d) + 2 : innerPosition(st[axis]);
     }
     const int d = faceDirection(use.face);
     const auto point = [&](int fromEnd) {
-      position[d] = context.endPosition(use.block, d, faceSide(use.face), fromEnd);
+      position[d] = endPosition(faceSide(use.face), fromEnd, owner.cells(d));
       return Vec3(Eigen::Map<const Vec3>(context.nets[use.block].points + 3 * context.index(use.block, position)));
     };
     const Vec3 last = point(0);
@@ -89,130 +87,263 @@ void placeExtension(const ConversionContext& context, const LocalStars& stars, F
   }
 }
 
-RuleCounts countRules(const ConversionContext& context, int block)
+RuleCounts countRules(const ConversionContext& context, int block, const std::array<bool, 3>& doubled)
 {
-  RuleCounts counts{};
-  Index& copied = counts[static_cast<std::size_t>(ControlPointRule::Copied)];
-  const Ijk count{ context.count(block, 0), context.count(block, 1), context.count(block, 2) };
-  for (int k = 0; k < count[2]; ++k)
+  if (context.options.continuity == Continuity::ExactG1)
   {
-    for (int j = 0; j < count[1]; ++j)
+    Index count = 1;
+    for (int d = 0; d < 3; ++d)
+    {
+      count *= controlPointCount(context.complex.blocks[block].cells(d), doubled[d]);
+    }
+    RuleCounts all{};
+    for (Index i = 0; i < count; ++i)
+    {
+      ++all[context.nets[block].rules[i]];
+    }
+    return all;
+  }
+  const ComplexBlock& owner = context.complex.blocks[block];
+  const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
+  const auto inside = [&](int d, int i) { return i >= innerPosition(1) && i <= innerPosition(cells[d] - 1); };
+  RuleCounts counts{};
+  // The interior is copied; only what lies around it is looked at.
+  Index& copied = counts[static_cast<std::size_t>(ControlPointRule::Copied)];
+  copied = Index(cells[0] - 1) * (cells[1] - 1) * (cells[2] - 1);
+  for (int k = 0; k < cells[2] + 3; ++k)
+  {
+    for (int j = 0; j < cells[1] + 3; ++j)
     {
       const std::uint8_t* row = context.nets[block].rules + context.index(block, { 0, j, k });
-      const std::array<int, 2> copies = context.copiesInRow(block, j, k);
-      copied += copies[1] - copies[0];
-      for (int i = 0; i < count[0]; ++i)
+      const bool through = inside(2, k) && inside(1, j);
+      // Mostly the same rule again: counted when another one comes.
+      std::uint8_t rule = row[0];
+      Index same = 0;
+      for (int i = 0; i < cells[0] + 3; ++i)
       {
-        i = i == copies[0] ? copies[1] : i;
-        ++counts[row[i]];
+        if (through && i == innerPosition(1))
+        {
+          i = std::max(i, innerPosition(cells[0]));
+        }
+        if (row[i] != rule)
+        {
+          counts[rule] += same;
+          rule = row[i];
+          same = 0;
+        }
+        ++same;
       }
+      counts[rule] += same;
     }
   }
   return counts;
 }
 
-/// Converts everything. @return the number of singular nodes of this rank.
-Index convertAll(const ConversionContext& context, const LocalStars& stars, const Execution& run)
+/// Converts single entities, as far as a block of this rank touches them, and with `wallOnly` those next to walls
+/// alone.
+class EntityConverter
 {
-  std::atomic<Index> singularNodes{ 0 };
-  Index controlPoints = 0;
-  // Slabs of all blocks as one list, so that a few large blocks share the threads as well as many small ones.
-  std::vector<Index> firstSlab{ 0 };
-  for (const ComplexBlock& block : context.complex.blocks)
-  {
-    const bool here = block.rank == run.ranks->rank();
-    controlPoints += here ? Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3) : 0;
-    firstSlab.push_back(firstSlab.back() + (here ? std::max(0, block.cells(2) - 1) : 0));
-  }
-  const bool stream = controlPoints * Index(3 * sizeof(double)) >= StreamedBytes;
-
-  std::vector<bool> atWall(context.complex.vertices.size(), !context.options.wallOnly);
-  if (context.options.wallOnly)
+public:
+  EntityConverter(const ConversionContext& context, const LocalStars& stars)
+    : Context(context)
+    , Stars(stars)
+    , AtWall(context.complex.vertices.size(), !context.options.wallOnly)
   {
     for (const ComplexFace& face : context.complex.faces)
     {
-      if (roleOf(context.options, face) == BoundaryRole::Body)
+      if (context.options.wallOnly && roleOf(context.options, face) == BoundaryRole::Body)
       {
         for (const int vertex : context.complex.blocks[face.uses.front().block].vertices)
         {
-          atWall[vertex] = true;
+          this->AtWall[vertex] = true;
         }
       }
     }
   }
-  const auto touchesWall = [&](const ComplexFace& face) {
-    const FaceUse& use = face.uses.front();
+
+  void face(int face) const
+  {
+    const FaceUse& use = this->Context.complex.faces[face].uses.front();
     bool touches = false;
     for (int corner = 0; corner < 4; ++corner)
     {
-      touches =
-        touches || atWall[context.complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]];
+      touches = touches ||
+        this->AtWall[this->Context.complex.blocks[use.block].vertices[faceCorner(use.face, corner & 1, corner >> 1)]];
     }
-    return touches;
+    if (touches && this->Stars.hasFace(face))
+    {
+      convertFace(this->Context, face);
+    }
+  }
+  void edge(int edge) const
+  {
+    const std::array<int, 2>& ends = this->Context.complex.edges[edge].vertices;
+    if (this->Stars.hasEdge(edge) && (this->AtWall[ends[0]] || this->AtWall[ends[1]]))
+    {
+      convertEdge(this->Context, edge);
+    }
+  }
+  void vertex(int vertex)
+  {
+    if (this->Stars.hasVertex(vertex) && this->AtWall[vertex])
+    {
+      const bool singular = convertVertex(this->Context, vertex);
+      const int block = this->Context.complex.vertices[vertex].corners.front().block;
+      this->SingularNodes += singular && this->Context.isHere(block) ? 1 : 0;
+    }
+  }
+
+  Index singularNodes() const { return this->SingularNodes; }
+
+private:
+  const ConversionContext& Context;
+  const LocalStars& Stars;
+  std::vector<bool> AtWall;
+  std::atomic<Index> SingularNodes{ 0 };
+};
+
+/// Mesh and net of a block up to this size stay in the caches of one core while it is converted.
+constexpr Index SmallBlockBytes = Index(2) << 20;
+
+/// What is converted, and in which order: a small block whole, with the faces, edges and vertices of which it is the
+/// last such block, because what they read and write is near; of large ones first the interiors, slab by slab, so that
+/// a few of them share the threads as well as many small ones, and then the other entities.
+struct WorkOrder
+{
+  struct Entities
+  {
+    std::vector<int> faces, edges, vertices;
   };
-  const auto forEach = [&](std::size_t count, Index grain, const auto& body) {
-    run.parallelFor(static_cast<Index>(count), grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i)
+
+  WorkOrder(const ConversionContext& context)
+    : withBlock(context.complex.blocks.size())
+  {
+    const BlockComplex& complex = context.complex;
+    std::vector<int> lastOfFace(complex.faces.size(), -1), lastOfEdge(complex.edges.size(), -1),
+      lastOfVertex(complex.vertices.size(), -1);
+    const auto setLast = [](std::vector<int>& lastOf, const auto& entities, int block) {
+      for (const int entity : entities)
       {
-        body(static_cast<int>(i));
+        lastOf[entity] = block;
       }
-    });
+    };
+    this->firstTask.push_back(0);
+    for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+    {
+      const ComplexBlock& block = complex.blocks[b];
+      const Index count = Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
+      const bool here = context.isHere(static_cast<int>(b)) && !context.options.wallOnly;
+      this->small.push_back(here && 2 * count * Index(3 * sizeof(double)) <= SmallBlockBytes);
+      this->largeControlPoints += here && !this->small[b] ? count : 0;
+      this->firstTask.push_back(this->firstTask.back() + (!here ? 0 : this->small[b] ? 1 : block.cells(2) - 1));
+      if (this->small[b])
+      {
+        setLast(lastOfFace, block.faces, static_cast<int>(b));
+        setLast(lastOfEdge, block.edges, static_cast<int>(b));
+        setLast(lastOfVertex, block.vertices, static_cast<int>(b));
+      }
+    }
+    this->assign(lastOfFace, &Entities::faces);
+    this->assign(lastOfEdge, &Entities::edges);
+    this->assign(lastOfVertex, &Entities::vertices);
+  }
+
+  /// Tasks are numbered block by block: a slab of a large one, or the whole of a small one.
+  std::vector<Index> firstTask;
+  std::vector<bool> small;
+  std::vector<Entities> withBlock;
+  Entities others;
+  Index largeControlPoints = 0;
+
+private:
+  void assign(const std::vector<int>& lastBlock, std::vector<int> Entities::*list)
+  {
+    for (std::size_t entity = 0; entity < lastBlock.size(); ++entity)
+    {
+      Entities& entities = lastBlock[entity] < 0 ? this->others : this->withBlock[lastBlock[entity]];
+      (entities.*list).push_back(static_cast<int>(entity));
+    }
+  }
+};
+
+/// Converts everything. @return the number of singular nodes of this rank.
+Index convertAll(const ConversionContext& context, const LocalStars& stars, const Execution& run)
+{
+  EntityConverter converter(context, stars);
+  const WorkOrder order(context);
+  const bool stream = order.largeControlPoints * Index(3 * sizeof(double)) >= StreamedBytes;
+  const auto convertTask = [&](Index task) {
+    const auto next = std::upper_bound(order.firstTask.begin(), order.firstTask.end(), task);
+    const int block = static_cast<int>(next - order.firstTask.begin()) - 1;
+    if (!order.small[block])
+    {
+      convertBlock(context, block, static_cast<int>(task - order.firstTask[block]) + 1, stream);
+      return;
+    }
+    for (int slab = 1; slab < context.complex.blocks[block].cells(2); ++slab)
+    {
+      convertBlock(context, block, slab, false);
+    }
+    for (const int face : order.withBlock[block].faces)
+    {
+      converter.face(face);
+    }
+    for (const int edge : order.withBlock[block].edges)
+    {
+      converter.edge(edge);
+    }
+    for (const int vertex : order.withBlock[block].vertices)
+    {
+      converter.vertex(vertex);
+    }
   };
-  // Large meshes are copied in portions, so that progress is told and an abort is heard.
+  // Large meshes are converted in portions, so that progress is told and an abort is heard.
   constexpr Index Portions = 20;
-  const Index slabs = context.options.wallOnly ? 0 : firstSlab.back();
+  const Index tasks = order.firstTask.back();
   for (Index portion = 0; portion < Portions; ++portion)
   {
-    const Index from = slabs * portion / Portions;
-    const Index to = slabs * (portion + 1) / Portions;
+    const Index from = tasks * portion / Portions;
+    const Index to = tasks * (portion + 1) / Portions;
     run.report(0.5 * portion / Portions);
     run.parallelFor(to - from, 4, [&](Index begin, Index end) {
-      for (Index slab = from + begin; slab < from + end; ++slab)
+      for (Index task = from + begin; task < from + end; ++task)
       {
-        const auto next = std::upper_bound(firstSlab.begin(), firstSlab.end(), slab);
-        const int block = static_cast<int>(next - firstSlab.begin()) - 1;
-        convertBlock(context, block, static_cast<int>(slab - firstSlab[block]) + 1, stream);
+        convertTask(task);
       }
       endStream();
     });
   }
+  const auto forEach = [&](const std::vector<int>& list, const auto& convert) {
+    run.parallelFor(static_cast<Index>(list.size()), 4, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+      {
+        convert(list[i]);
+      }
+    });
+  };
   run.report(0.5);
-  forEach(context.complex.faces.size(), 4, [&](int face) {
-    if (stars.hasFace(face) && touchesWall(context.complex.faces[face]))
-    {
-      convertFace(context, face);
-    }
-  });
+  forEach(order.others.faces, [&](int face) { converter.face(face); });
   run.report(0.7);
-  forEach(context.complex.edges.size(), 4, [&](int edge) {
-    const std::array<int, 2>& ends = context.complex.edges[edge].vertices;
-    if (stars.hasEdge(edge) && (atWall[ends[0]] || atWall[ends[1]]))
-    {
-      convertEdge(context, edge);
-    }
-  });
+  forEach(order.others.edges, [&](int edge) { converter.edge(edge); });
   run.report(0.85);
-  forEach(context.complex.vertices.size(), 4, [&](int vertex) {
-    if (stars.hasVertex(vertex) && atWall[vertex])
-    {
-      const bool singular = convertVertex(context, vertex);
-      singularNodes += singular && context.isHere(context.complex.vertices[vertex].corners.front().block) ? 1 : 0;
-    }
-  });
-  return singularNodes;
+  forEach(order.others.vertices, [&](int vertex) { converter.vertex(vertex); });
+  return converter.singularNodes();
 }
 
 /// Adds up what the ranks have.
 void countAll(const ConversionContext& context, Index singularNodes, const Execution& run, ConversionReport& report)
 {
   std::vector<RuleCounts> counts(context.options.wallOnly ? 0 : context.complex.blocks.size());
+  const std::vector<std::array<bool, 3>> doubled = context.options.continuity == Continuity::ExactG1
+    ? doubleKnotDirections(context.complex, context.options)
+    : std::vector<std::array<bool, 3>>(counts.size());
   run.report(0.95);
   run.parallelFor(static_cast<Index>(counts.size()), 1, [&](Index begin, Index end) {
     for (int block = static_cast<int>(begin); block < end; ++block)
     {
       if (context.isHere(block))
       {
-        counts[block] = countRules(context, block);
+        counts[block] = countRules(context, block, doubled[block]);
       }
     }
   });
@@ -243,7 +374,7 @@ void countAll(const ConversionContext& context, Index singularNodes, const Execu
 std::vector<std::array<std::vector<double>, 3>> conversionKnots(
   const BlockComplex& complex, const ConversionOptions& options)
 {
-  DoubledDirections doubled(complex.blocks.size(), std::array<bool, 3>{ false, false, false });
+  std::vector<std::array<bool, 3>> doubled(complex.blocks.size(), std::array<bool, 3>{ false, false, false });
   if (options.continuity == Continuity::ExactG1)
   {
     doubled = doubleKnotDirections(complex, options);
@@ -300,28 +431,21 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
   // The layer rule must not see corrections.
   const LayerCorrections none;
   const LayerCorrections corrections = bodyCorrections(contextWith(none), *run.ranks);
-  const ConversionContext withSingleKnots = contextWith(corrections);
-  ConversionContext context = withSingleKnots;
-  const bool exact = options.continuity == Continuity::ExactG1;
-  const DoubledDirections doubled = exact ? doubleKnotDirections(stars.complex(), options) : DoubledDirections{};
-  context.doubled = exact ? &doubled : nullptr;
+  const ConversionContext context = contextWith(corrections);
   if (!options.wallOnly)
   {
     placeExtension(context, stars, layer, run);
   }
   ConversionReport report;
-  Index singularNodes = convertAll(context, stars, run);
-  if (exact)
+  Index singularNodes = 0;
+  const auto convert = [&] {
+    singularNodes = convertAll(context, stars, run);
+    return options.wallOnly ? SpanReport{} : checkSpans(context, run);
+  };
+  report.spans = convert();
+  if (options.continuity == Continuity::ExactG1)
   {
-    const auto convert = [&] {
-      singularNodes = convertAll(withSingleKnots, stars, run);
-      return checkSpans(withSingleKnots, run);
-    };
     report.g1 = joinAndCheck(context, convert, report.spans, run);
-  }
-  else if (!options.wallOnly)
-  {
-    report.spans = checkSpans(context, run);
   }
   report.planarFaces = rules.planarFaces;
   report.notes = rules.notes;

@@ -2,6 +2,7 @@
 #include "Conversion/EdgeConversion.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 namespace bsv
@@ -185,6 +186,104 @@ Fan controlFan(const ConversionContext& context, int edge, const EdgeFan& fan, i
   return anchoredFan(points, points.center, along, weights);
 }
 
+namespace
+{
+
+/// Control point of a sector's block in layer k, `a` from the end along the first spoke and `b` along the second.
+Ijk controlPosition(const ComplexBlock& owner, const FanSector& sector, int k, int a, int b)
+{
+  Ijk ijk;
+  ijk[sector.along] = innerPosition(sector.reversed ? owner.cells(sector.along) - k : k);
+  ijk[sector.first] = endPosition(sector.side(sector.first), a, owner.cells(sector.first));
+  ijk[sector.second] = endPosition(sector.side(sector.second), b, owner.cells(sector.second));
+  return ijk;
+}
+
+/// Whether the layers of a fan follow the regular rule, with knot insertion in all faces around.
+bool hasRegularLayers(const ConversionContext& context, int edge, const EdgeFan& fan)
+{
+  if (context.moved || context.rules.edges[edge].anchored || context.corrections.count(edge) > 0 ||
+    fan.sectors.size() != (fan.closed ? 4 : 2))
+  {
+    return false;
+  }
+  return std::all_of(fan.sectors.begin(), fan.sectors.end(), [&](const FanSector& sector) {
+    bool plain = true;
+    for (const int which : { 0, 1 })
+    {
+      const int face = sector.spokeFace(which);
+      plain = plain && context.layer.isKnotInsertion(sector.block, face) &&
+        context.keeps[context.complex.blocks[sector.block].faces[face]].empty();
+    }
+    return plain;
+  });
+}
+
+/// The layers begin..end - 1 of such a fan, many at once.
+void convertRegularLayers(const ConversionContext& context, int edge, const EdgeFan& fan, int begin, int end)
+{
+  constexpr int Most = 32;
+  const int spokes = fan.spokeCount();
+  const int sectors = static_cast<int>(fan.sectors.size());
+  std::array<std::array<Vec3, Most>, 9> points, values;
+  std::vector<const Vec3*> from;
+  std::vector<Vec3*> to;
+  for (int i = 0; i < 1 + spokes + sectors; ++i)
+  {
+    from.push_back(points[i].data());
+    to.push_back(values[i].data());
+  }
+  for (int first = begin; first < end; first += Most)
+  {
+    const int count = std::min(Most, end - first);
+    const auto read = [&](int i, const FanSector& sector, int a, int b) {
+      const ComplexBlock& owner = context.complex.blocks[sector.block];
+      const Index start = owner.points.place(sector.point(owner, first, a, b));
+      const Index step = (sector.reversed ? -1 : 1) * owner.points.stride(sector.along);
+      for (int k = 0; k < count; ++k)
+      {
+        points[i][k] = owner.points.atPlace(start + k * step);
+      }
+    };
+    read(0, fan.sectors[0], 0, 0);
+    for (int i = 0; i < sectors; ++i)
+    {
+      read(1 + i, fan.sectors[i], 1, 0);
+      read(1 + spokes + i, fan.sectors[i], 1, 1);
+    }
+    if (!fan.closed)
+    {
+      read(spokes, fan.sectors.back(), 0, 1);
+    }
+    smoothRegularFans(fan.closed, from, count, to);
+    for (int i = 0; i < sectors; ++i)
+    {
+      const FanSector& sector = fan.sectors[i];
+      if (!context.isHere(sector.block))
+      {
+        continue;
+      }
+      const ComplexBlock& owner = context.complex.blocks[sector.block];
+      const ControlNetStorage& net = context.nets[sector.block];
+      const auto write = [&](int a, int b, int from) {
+        const Index start = context.index(sector.block, controlPosition(owner, sector, first, a, b));
+        const Index step = context.index(sector.block, controlPosition(owner, sector, first + 1, a, b)) - start;
+        for (int k = 0; k < count; ++k)
+        {
+          std::copy_n(values[from][k].data(), 3, net.points + 3 * (start + k * step));
+          net.rules[start + k * step] = static_cast<std::uint8_t>(context.rules.edges[edge].rule);
+        }
+      };
+      write(0, 0, 0);
+      write(1, 0, 1 + i);
+      write(0, 1, 1 + (i + 1) % spokes);
+      write(1, 1, 1 + spokes + i);
+    }
+  }
+}
+
+} // namespace
+
 void convertEdge(const ConversionContext& context, int edge)
 {
   convertEdgeLayers(context, edge, 1, context.complex.edges[edge].cells);
@@ -192,10 +291,14 @@ void convertEdge(const ConversionContext& context, int edge)
 
 void convertEdgeLayers(const ConversionContext& context, int edge, int begin, int end)
 {
-  const ComplexEdge& shared = context.complex.edges[edge];
   const EdgeRule& edgeRule = context.rules.edges[edge];
   for (const EdgeFan& fan : edgeRule.fans)
   {
+    if (hasRegularLayers(context, edge, fan))
+    {
+      convertRegularLayers(context, edge, fan, begin, end);
+      continue;
+    }
     const bool ordinary = edgeRule.rule != ControlPointRule::ExtraordinaryEdge;
     bool connection = false;
     for (int i = 0; i < fan.spokeCount(); ++i)
@@ -222,13 +325,10 @@ void convertEdgeLayers(const ConversionContext& context, int edge, int begin, in
       for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
       {
         const FanSector& sector = fan.sectors[i];
+        const ComplexBlock& owner = context.complex.blocks[sector.block];
         const int next = (i + 1) % fan.spokeCount();
         const auto put = [&](int a, int b, const Vec3& point, ControlPointRule rule) {
-          Ijk ijk;
-          ijk[sector.along] = context.innerPosition(sector.block, sector.along, sector.reversed ? shared.cells - k : k);
-          ijk[sector.first] = context.endPosition(sector.block, sector.first, sector.side(sector.first), a);
-          ijk[sector.second] = context.endPosition(sector.block, sector.second, sector.side(sector.second), b);
-          context.write(sector.block, ijk, point, rule);
+          context.write(sector.block, controlPosition(owner, sector, k, a, b), point, rule);
         };
         put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
         put(1, 0, values.spokes[i], spokeRule(i));

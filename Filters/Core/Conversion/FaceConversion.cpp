@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/FaceConversion.h"
 
+#include "Base/RowLoop.h"
+
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #ifdef __SSE2__
@@ -39,6 +42,18 @@ void streamCopy(double* to, const Real* from, Index count)
   }
 }
 
+/// (a + 4 p + b) / 6 and, towards both sides, (2 p + a) / 3: smoothMask() and insertMask() for a row of numbers.
+BSV_ROW_LOOP void regularRow(const double* a, const double* p, const double* b, Index count, double* __restrict middle,
+  double* __restrict towardsA, double* __restrict towardsB)
+{
+  for (Index i = 0; i < count; ++i)
+  {
+    middle[i] = ((a[i] + b[i]) + 4.0 * p[i]) / 6.0;
+    towardsA[i] = (2.0 * p[i] + a[i]) / 3.0;
+    towardsB[i] = (2.0 * p[i] + b[i]) / 3.0;
+  }
+}
+
 } // namespace
 
 void endStream()
@@ -54,9 +69,7 @@ void convertBlock(const ConversionContext& context, int block, int slab, bool st
   const int ni = owner.cells(0), nj = owner.cells(1);
   for (int j = 1; j < nj && ni > 1; ++j)
   {
-    const Index start = context.index(block,
-      { context.innerPosition(block, 0, 1), context.innerPosition(block, 1, j),
-        context.innerPosition(block, 2, slab) });
+    const Index start = context.index(block, { innerPosition(1), innerPosition(j), innerPosition(slab) });
     double* target = context.nets[block].points + 3 * start;
     owner.points.forRuns(1, ni - 1, j, slab, [&](const auto* source, Index count) {
       if (stream)
@@ -171,9 +184,9 @@ void convertFacePoints(
     });
     const Plane control = plane([&](int s, int t, int fromEnd) {
       Ijk ijk;
-      ijk[axes[0]] = context.innerPosition(use.block, axes[0], s);
-      ijk[axes[1]] = context.innerPosition(use.block, axes[1], t);
-      ijk[normal] = context.endPosition(use.block, normal, faceSide(use.face), fromEnd);
+      ijk[axes[0]] = innerPosition(s);
+      ijk[axes[1]] = innerPosition(t);
+      ijk[normal] = endPosition(faceSide(use.face), fromEnd, cells[normal]);
       return context.index(use.block, ijk);
     });
     sides.push_back({ &owner.points, &context.nets[use.block], context.isHere(use.block), use, mesh, control,
@@ -197,6 +210,44 @@ void convertFacePoints(
     side.write(
       s, t, 1, insertMask(own, above, near), regular ? ControlPointRule::Regular : layerRule(faceRule.connection));
   };
+  const bool regular = !context.moved && !shared.boundary() && !faceRule.planar() && keeps.empty() &&
+    context.layer.isKnotInsertion(first.use.block, first.use.face) &&
+    context.layer.isKnotInsertion(second.use.block, second.use.face);
+  if (regular)
+  {
+    constexpr int Most = 64;
+    using Row = std::array<Vec3, Most>;
+    Row own, inner, across, middle, towardsFirst, towardsSecond;
+    for (int t = begin[1]; t < end[1]; ++t)
+    {
+      for (int s = begin[0]; s < end[0]; s += Most)
+      {
+        const int count = std::min(Most, end[0] - s);
+        const auto read = [&](const Side& side, int depth, Row& row) {
+          for (int i = 0; i < count; ++i)
+          {
+            row[i] = side.points->atPlace(side.mesh(s + i, t, depth));
+          }
+        };
+        const auto write = [&](const Side& side, int fromEnd, const Row& row) {
+          for (int i = 0; i < count; ++i)
+          {
+            side.write(s + i, t, fromEnd, row[i], ControlPointRule::Regular);
+          }
+        };
+        read(first, 0, own);
+        read(first, 1, inner);
+        read(second, 1, across);
+        regularRow(inner[0].data(), own[0].data(), across[0].data(), Index(3) * count, middle[0].data(),
+          towardsFirst[0].data(), towardsSecond[0].data());
+        write(first, 1, towardsFirst);
+        write(first, 0, middle);
+        write(second, 0, middle);
+        write(second, 1, towardsSecond);
+      }
+    }
+    return;
+  }
   for (int t = begin[1]; t < end[1]; ++t)
   {
     for (int s = begin[0]; s < end[0]; ++s)

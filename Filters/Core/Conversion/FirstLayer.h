@@ -45,6 +45,8 @@ public:
     return values[point[faceAxis(face, 0)] +
       std::size_t(this->Complex.blocks[block].cells(faceAxis(face, 0)) + 1) * point[faceAxis(face, 1)]];
   }
+  /// Whether c is 2/3 all over the face.
+  bool isKnotInsertion(int block, int face) const { return this->Weights[block][face].empty(); }
   /// Whether c varies over the face.
   bool varies(int block, int face) const { return this->Weights[block][face].size() > 1; }
 

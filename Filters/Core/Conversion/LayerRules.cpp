@@ -4,6 +4,7 @@
 #include "Base/CanonicalOrder.h"
 #include "Base/Numbers.h"
 #include "Base/OrderFreeSum.h"
+#include "Base/OrderFreeSums.h"
 #include "Complex/Limits.h"
 #include "Conversion/LimitMasks.h"
 
@@ -508,6 +509,45 @@ Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight
   }
 
   return stretchedFan(result, nearWeight, fan);
+}
+
+void smoothRegularFans(
+  bool closed, const std::vector<const Vec3*>& points, Index count, const std::vector<Vec3*>& values)
+{
+  const int sectors = closed ? 4 : 2;
+  const int spokes = closed ? 4 : 3;
+  const FanStencils& stencils = stencilsOf(closed, sectors, Twist::Mask);
+  const auto applyToAll = [&](const FanStencil& stencil, int rotation, Vec3* results) {
+    std::array<double, 9> weights;
+    std::array<const double*, 9> terms;
+    int termCount = 0;
+    const auto add = [&](double weight, const Vec3* term) {
+      if (weight != 0.0)
+      {
+        weights[termCount] = weight;
+        terms[termCount++] = term->data();
+      }
+    };
+    add(stencil.weights.center, points[0]);
+    for (int i = 0; i < spokes; ++i)
+    {
+      add(stencil.weights.spokes[i], points[1 + (i + rotation) % spokes]);
+    }
+    for (int i = 0; i < sectors; ++i)
+    {
+      add(stencil.weights.sectors[i], points[1 + spokes + (i + rotation) % sectors]);
+    }
+    orderFreeSums(weights.data(), terms.data(), termCount, stencil.denominator, 3 * count, results->data());
+  };
+  applyToAll(stencils.center, 0, values[0]);
+  for (int i = 0; i < spokes; ++i)
+  {
+    applyToAll(stencils.spokes[closed ? 0 : i], closed ? i : 0, values[1 + i]);
+  }
+  for (int i = 0; i < sectors; ++i)
+  {
+    applyToAll(stencils.sectors[closed ? 0 : i], closed ? i : 0, values[1 + spokes + i]);
+  }
 }
 
 CreasedFan creasedFan(const Fan& fan, const std::vector<int>& features, const std::vector<bool>& keptSpokes,

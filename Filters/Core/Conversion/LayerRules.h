@@ -52,6 +52,12 @@ struct Fan
 /// A closed fan needs at least 3 sectors, an open one at least 2.
 Fan smoothFan(const Fan& fan, Twist twist, const std::vector<double>& nearWeight);
 
+/// smoothFan() of `count` regular fans at once, closed ones of four sectors or open ones of two, with the
+/// knot-insertion weight: the same bits.
+/// @param points, values per point of the fan (the centre, the spokes, the sectors) its `count` places.
+void smoothRegularFans(
+  bool closed, const std::vector<const Vec3*>& points, Index count, const std::vector<Vec3*>& values);
+
 /// Rule for a centre that is given: inserted points along spokes between the centre and the values `along[i]` one step
 /// down, in sectors by the regular mask [2/3 1/3] x [2/3 1/3] of the fan's points. `nearWeight` as in smoothFan.
 Fan anchoredFan(

@@ -35,7 +35,7 @@ BSplineVolume CheckedNets::volume(int block) const
 
 std::vector<double> CheckedNets::knots(int block, int d) const
 {
-  return volumeKnots(this->Context.complex.blocks[block].cells(d), this->Context.isDoubled(block, d));
+  return volumeKnots(this->Context.complex.blocks[block].cells(d), !this->Doubled.empty() && this->Doubled[block][d]);
 }
 
 std::vector<int> CheckedNets::spansAlong(int block, int d) const
@@ -97,7 +97,7 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
 {
   const ConversionContext& context = this->Context;
   const ComplexBlock& owner = context.complex.blocks[block];
-  const bool single = !context.doubled;
+  const bool single = this->Doubled.empty();
   // Per control point of a direction its first and last span.
   std::array<std::vector<std::array<int, 2>>, 3> reach;
   Ijk spans, count;
@@ -115,21 +115,42 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
       }
     }
   }
-  std::vector<bool> chosen, chosenRows(std::size_t(spans[1]) * spans[2], false);
-  const auto choose = [&](const Ijk& first, const Ijk& last) {
-    chosen.resize(std::size_t(spans[0]) * spans[1] * spans[2], false);
-    for (int k = std::max(0, first[2]); k <= std::min(last[2], spans[2] - 1); ++k)
+  const Index perLayer = Index(spans[0]) * spans[1];
+  // 1 for those chosen; empty as long as there are none.
+  std::vector<std::uint8_t> chosen;
+  const auto inside = [&](int d, std::array<int, 2> range) {
+    return std::array<int, 2>{ std::max(0, range[0]), std::min(range[1], spans[d] - 1) };
+  };
+  // Adds `row`, a 1 or 0 per span along i, to all rows of these j and k.
+  const auto choose = [&](const std::vector<std::uint8_t>& row, std::array<int, 2> js, std::array<int, 2> ks) {
+    chosen.resize(perLayer * spans[2], 0);
+    js = inside(1, js);
+    ks = inside(2, ks);
+    for (int k = ks[0]; k <= ks[1]; ++k)
     {
-      for (int j = std::max(0, first[1]); j <= std::min(last[1], spans[1] - 1); ++j)
+      for (int j = js[0]; j <= js[1]; ++j)
       {
-        const Index row = j + Index(spans[1]) * k;
-        chosenRows[row] = true;
-        for (int i = std::max(0, first[0]); i <= std::min(last[0], spans[0] - 1); ++i)
+        std::uint8_t* target = chosen.data() + spans[0] * Index(j) + perLayer * k;
+        for (int i = 0; i < spans[0]; ++i)
         {
-          chosen[i + spans[0] * row] = true;
+          target[i] |= row[i];
         }
       }
     }
+  };
+  std::vector<std::uint8_t> chosenInRow(spans[0]);
+  bool anyInRow = false;
+  const auto startRow = [&] {
+    if (anyInRow)
+    {
+      std::fill(chosenInRow.begin(), chosenInRow.end(), 0);
+    }
+    anyInRow = false;
+  };
+  const auto chooseInRow = [&](std::array<int, 2> range) {
+    range = inside(0, range);
+    std::fill(chosenInRow.begin() + range[0], chosenInRow.begin() + std::max(range[0], range[1] + 1), 1);
+    anyInRow = true;
   };
   // Knot insertion is no special rule.
   bool spacing = false;
@@ -138,72 +159,73 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
     spacing =
       spacing || context.layer.varies(block, face) || context.layer.weight(block, face, { 0, 0, 0 }) != KnotInsertion;
   }
-  const auto isSpecial = [&](std::uint8_t code) {
-    switch (static_cast<ControlPointRule>(code))
-    {
-      case ControlPointRule::BodyExtraordinaryVertex:
-      case ControlPointRule::Crease:
-      case ControlPointRule::Corner:
-      case ControlPointRule::ExtraordinaryEdge:
-      case ControlPointRule::SingularNode:
-        return true;
-      case ControlPointRule::WallLayer:
-      case ControlPointRule::FarFieldLayer:
-        return spacing;
-      default:
-        return false;
-    }
-  };
+  std::array<bool, static_cast<std::size_t>(ControlPointRule::Count)> isSpecial{};
+  for (const ControlPointRule rule : { ControlPointRule::BodyExtraordinaryVertex, ControlPointRule::Crease,
+         ControlPointRule::Corner, ControlPointRule::ExtraordinaryEdge, ControlPointRule::SingularNode })
+  {
+    isSpecial[static_cast<std::size_t>(rule)] = true;
+  }
+  for (const ControlPointRule rule : { ControlPointRule::WallLayer, ControlPointRule::FarFieldLayer })
+  {
+    isSpecial[static_cast<std::size_t>(rule)] = spacing;
+  }
   for (int k = 0; k < count[2]; ++k)
   {
     for (int j = 0; j < count[1]; ++j)
     {
       const std::uint8_t* row = context.nets[block].rules + Index(count[0]) * (j + Index(count[1]) * k);
-      const std::array<int, 2> copies = context.copiesInRow(block, j, k);
+      // The interior is copied.
+      const bool through = single && j > 1 && j < count[1] - 2 && k > 1 && k < count[2] - 2;
+      startRow();
       for (int i = 0; i < count[0]; ++i)
       {
-        i = i == copies[0] ? copies[1] : i;
-        if (isSpecial(row[i]))
+        if (through && i == 2)
         {
-          choose(
-            { reach[0][i][0], reach[1][j][0], reach[2][k][0] }, { reach[0][i][1], reach[1][j][1], reach[2][k][1] });
+          i = std::max(i, count[0] - 2);
         }
+        if (isSpecial[row[i]])
+        {
+          chooseInRow(reach[0][i]);
+        }
+      }
+      if (anyInRow)
+      {
+        choose(chosenInRow, reach[1][j], reach[2][k]);
       }
     }
   }
   if (owner.points.changes())
   {
     // Of mesh point i, those of the spans of cells i - 2 to i + 1.
-    const auto range = [&](int d, int i, int side) {
-      const int control = std::clamp(i + 1 + (side == 0 ? -1 : 1), 0, count[d] - 1);
-      return single ? i + (side == 0 ? -2 : 1) : reach[d][control][side];
+    const auto range = [&](int d, int i) {
+      const auto end = [&](int side) {
+        return reach[d][std::clamp(i + 1 + (side == 0 ? -1 : 1), 0, count[d] - 1)][side];
+      };
+      return single ? std::array<int, 2>{ i - 2, i + 1 } : std::array<int, 2>{ end(0), end(1) };
     };
     for (int k = 0; k <= owner.cells(2); ++k)
     {
       for (int j = 0; j <= owner.cells(1); ++j)
       {
+        startRow();
         for (int i = 0; i <= owner.cells(0); ++i)
         {
           if (owner.points.changes()->find(owner.points.place({ i, j, k })))
           {
-            choose(
-              { range(0, i, 0), range(1, j, 0), range(2, k, 0) }, { range(0, i, 1), range(1, j, 1), range(2, k, 1) });
+            chooseInRow(range(0, i));
           }
+        }
+        if (anyInRow)
+        {
+          choose(chosenInRow, range(1, j), range(2, k));
         }
       }
     }
   }
   std::vector<Index> list;
-  for (std::size_t row = 0; row < chosenRows.size(); ++row)
+  for (auto next = chosen.begin(); (next = std::find(next, chosen.end(), std::uint8_t(1))) != chosen.end(); ++next)
   {
-    const Index first = spans[0] * static_cast<Index>(row);
-    for (Index span = first; chosenRows[row] && span < first + spans[0]; ++span)
-    {
-      if (chosen[span])
-      {
-        list.push_back(span);
-      }
-    }
+    list.push_back(next - chosen.begin());
   }
   return list;
 }

@@ -2,18 +2,106 @@
 #include "Conversion/VertexConversion.h"
 
 #include "Base/OrderFreeSum.h"
+#include "Base/OrderFreeSums.h"
 #include "Conversion/BodyPropagation.h"
 #include "Conversion/SingularNode.h"
 #include "Conversion/Star.h"
 #include "Conversion/SurfaceConversion.h"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace bsv
 {
 
 namespace
 {
+
+/// The points of a grid around its middle, and their number from steps of -1, 0 or 1 along three axes.
+using RegularGrid = std::array<Vec3, 27>;
+int gridPlace(const std::array<int, 3>& steps)
+{
+  return 13 + steps[0] + 3 * steps[1] + 9 * steps[2];
+}
+
+/// Tensor products of [1 4 1]/6 along some axes and [2 1]/3, towards the point that is made, along the `inserted`
+/// others: all such points of the grid have the same weights.
+struct RegularRule
+{
+  explicit RegularRule(int inserted)
+  {
+    for (int target = 0; target < 27; ++target)
+    {
+      const std::array<int, 3> steps{ target % 3 - 1, target / 3 % 3 - 1, target / 9 - 1 };
+      std::array<int, 3> axes{ 0, 1, 2 };
+      const auto others = std::stable_partition(axes.begin(), axes.end(), [&](int axis) { return steps[axis] != 0; });
+      if (others - axes.begin() != inserted)
+      {
+        continue;
+      }
+      std::vector<double> products{ 1.0 };
+      std::vector<std::array<int, 3>> members{ { 0, 0, 0 } };
+      for (const int axis : axes)
+      {
+        const std::vector<std::pair<int, double>> mask = steps[axis] != 0
+          ? std::vector<std::pair<int, double>>{ { 0, 2.0 }, { steps[axis], 1.0 } }
+          : std::vector<std::pair<int, double>>{ { -1, 1.0 }, { 0, 4.0 }, { 1, 1.0 } };
+        const std::vector<double> before = std::move(products);
+        const std::vector<std::array<int, 3>> shorter = std::move(members);
+        products.clear();
+        members.clear();
+        for (std::size_t i = 0; i < before.size(); ++i)
+        {
+          for (const auto& [step, weight] : mask)
+          {
+            products.push_back(before[i] * weight);
+            members.push_back(shorter[i]);
+            members.back()[axis] = step;
+          }
+        }
+      }
+      this->targets.push_back(target);
+      this->weights = products;
+      this->sources.resize(members.size());
+      for (std::size_t term = 0; term < members.size(); ++term)
+      {
+        this->sources[term].push_back(gridPlace(members[term]));
+      }
+    }
+    this->denominator = std::accumulate(this->weights.begin(), this->weights.end(), 0.0);
+  }
+
+  void apply(const RegularGrid& points, RegularGrid& results) const
+  {
+    constexpr std::size_t MostTargets = 12;
+    std::array<std::array<Vec3, MostTargets>, MostOrderFreeTerms> terms;
+    std::array<const double*, MostOrderFreeTerms> addresses;
+    for (std::size_t term = 0; term < this->weights.size(); ++term)
+    {
+      for (std::size_t i = 0; i < this->targets.size(); ++i)
+      {
+        terms[term][i] = points[this->sources[term][i]];
+      }
+      addresses[term] = terms[term][0].data();
+    }
+    std::array<Vec3, MostTargets> sums;
+    orderFreeSums(this->weights.data(), addresses.data(), static_cast<int>(this->weights.size()), this->denominator,
+      3 * static_cast<Index>(this->targets.size()), sums[0].data());
+    for (std::size_t i = 0; i < this->targets.size(); ++i)
+    {
+      results[this->targets[i]] = sums[i];
+    }
+  }
+
+  std::vector<int> targets;
+  std::vector<double> weights;
+  /// Per weight, for each target, the point that it belongs to.
+  std::vector<std::vector<int>> sources;
+  double denominator = 0.0;
+};
 
 /// Tensor product of the masks, if all around the vertex is regular; otherwise does nothing and returns false.
 bool convertRegular(const ConversionContext& context, Star& star)
@@ -23,8 +111,9 @@ bool convertRegular(const ConversionContext& context, Star& star)
   {
     return false;
   }
-  // The axis of each star edge: opposite edges span no face.
-  std::vector<int> opposite(6, -1);
+  // The axis of each star edge, and its sense: opposite edges span no face.
+  std::array<int, 6> opposite;
+  opposite.fill(-1);
   for (int e = 0; e < 6; ++e)
   {
     if (!context.rules.edges[star.edges[e].edge].regular())
@@ -47,71 +136,62 @@ bool convertRegular(const ConversionContext& context, Star& star)
       return false;
     }
   }
-  // Tensor product per axis: [1 4 1]/6 through the vertex, or [2 1]/3 towards star edge `e` of `inserted`.
-  OrderFreeSum sum;
-  const auto tensor = [&](const std::vector<int>& inserted) {
-    const auto contains = [](const std::vector<int>& list, int e) {
-      return std::find(list.begin(), list.end(), e) != list.end();
-    };
-    const auto weightOf = [&](const std::vector<int>& members) {
-      double weight = 1.0;
-      for (int e = 0; e < 6; ++e)
-      {
-        if (e > opposite[e])
-        {
-          continue;
-        }
-        const int o = opposite[e];
-        const bool insertsHere = contains(inserted, e) || contains(inserted, o);
-        const int near = contains(members, e) ? e : contains(members, o) ? o : -1;
-        if (near < 0)
-        {
-          weight *= insertsHere ? 2.0 : 4.0;
-        }
-        else if (insertsHere && !contains(inserted, near))
-        {
-          weight = 0.0;
-        }
-      }
-      return weight;
-    };
-    sum.clear();
-    sum.add(weightOf({}), star.point);
-    for (int e = 0; e < 6; ++e)
-    {
-      sum.add(weightOf({ e }), star.edges[e].point);
-    }
-    for (const VertexStar::Face& face : star.faces)
-    {
-      sum.add(weightOf({ face.edges[0], face.edges[1] }), face.point);
-    }
-    for (const VertexStar::Block& block : star.blocks)
-    {
-      sum.add(weightOf({ block.edges[0], block.edges[1], block.edges[2] }), block.point);
-    }
-    double denominator = 1.0;
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      denominator *= d < inserted.size() ? 3.0 : 6.0;
-    }
-    return sum.result(denominator);
-  };
-  star.rule = ControlPointRule::Regular;
-  star.center = tensor({});
+  std::array<std::array<int, 3>, 6> steps{};
+  int axis = 0;
   for (int e = 0; e < 6; ++e)
   {
-    star.edgePoints[e] = tensor({ e });
+    if (e < opposite[e])
+    {
+      steps[e][axis] = 1;
+      steps[opposite[e]][axis] = -1;
+      ++axis;
+    }
+  }
+  const auto placeOf = [&](const auto& members) {
+    std::array<int, 3> sum{};
+    for (const int e : members)
+    {
+      for (int d = 0; d < 3; ++d)
+      {
+        sum[d] += steps[e][d];
+      }
+    }
+    return gridPlace(sum);
+  };
+  RegularGrid points, results;
+  points[placeOf(std::array<int, 0>{})] = star.point;
+  for (int e = 0; e < 6; ++e)
+  {
+    points[placeOf(std::array<int, 1>{ e })] = star.edges[e].point;
+  }
+  for (const VertexStar::Face& face : star.faces)
+  {
+    points[placeOf(face.edges)] = face.point;
+  }
+  for (const VertexStar::Block& block : star.blocks)
+  {
+    points[placeOf(block.edges)] = block.point;
+  }
+  static const std::array<RegularRule, 4> rules{ RegularRule(0), RegularRule(1), RegularRule(2), RegularRule(3) };
+  for (const RegularRule& rule : rules)
+  {
+    rule.apply(points, results);
+  }
+  star.rule = ControlPointRule::Regular;
+  star.center = results[placeOf(std::array<int, 0>{})];
+  for (int e = 0; e < 6; ++e)
+  {
+    star.edgePoints[e] = results[placeOf(std::array<int, 1>{ e })];
     star.edgeRules[e] = star.rule;
   }
   for (std::size_t f = 0; f < star.faces.size(); ++f)
   {
-    star.facePoints[f] = tensor({ star.faces[f].edges[0], star.faces[f].edges[1] });
+    star.facePoints[f] = results[placeOf(star.faces[f].edges)];
     star.faceRules[f] = star.rule;
   }
   for (std::size_t b = 0; b < star.blocks.size(); ++b)
   {
-    const auto& e = star.blocks[b].edges;
-    star.blockPoints[b] = tensor({ e[0], e[1], e[2] });
+    star.blockPoints[b] = results[placeOf(star.blocks[b].edges)];
     star.blockRules[b] = star.rule;
   }
   return true;
@@ -341,13 +421,14 @@ void writeStar(const ConversionContext& context, const Star& star)
   for (std::size_t b = 0; b < star.blocks.size(); ++b)
   {
     const VertexStar::Block& entry = star.blocks[b];
+    const ComplexBlock& owner = context.complex.blocks[entry.block];
     for (int inserted = 0; inserted < 8; ++inserted)
     {
       // Bit d of `inserted`: one step in along direction d.
       Ijk position;
       for (int d = 0; d < 3; ++d)
       {
-        position[d] = context.endPosition(entry.block, d, cornerSide(entry.corner, d), inserted >> d & 1);
+        position[d] = endPosition(cornerSide(entry.corner, d), inserted >> d & 1, owner.cells(d));
       }
       Vec3 point = star.center;
       ControlPointRule rule = star.rule;

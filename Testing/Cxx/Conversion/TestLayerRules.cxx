@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Base/OrderFreeSum.h"
+#include "Base/OrderFreeSums.h"
 #include "Complex/EdgeFans.h"
 #include "Conversion/LayerRules.h"
 #include "Conversion/LimitMasks.h"
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <random>
 
@@ -357,6 +359,90 @@ TEST(LayerRules, ProjectedFanTouchesTheGivenSurface)
   for (const Vec3& x : rule.spokes)
   {
     EXPECT_LE(std::abs(normal.dot(x - projection)), 1e-15);
+  }
+}
+
+TEST(OrderFreeSum, ManySumsAtOnceHaveTheSameBits)
+{
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::uniform_int_distribution<int> integer(1, 16);
+  constexpr int Count = 37; // no multiple of any vector's length
+  for (const int termCount : { 2, 3, 4, 6, 8, 9, 12, 18, 27 })
+  {
+    std::vector<double> weights;
+    std::vector<std::vector<Vec3>> terms(termCount, std::vector<Vec3>(Count));
+    std::vector<const double*> addresses;
+    double denominator = 0.0;
+    for (std::vector<Vec3>& term : terms)
+    {
+      weights.push_back(integer(random));
+      denominator += weights.back();
+      for (int i = 0; i < Count; ++i)
+      {
+        // Sizes that lose digits of each other, coordinates that all share, zeros of both signs.
+        const Vec3 any = Vec3(uniform(random), uniform(random), uniform(random)) * std::pow(10.0, integer(random) - 8);
+        term[i] = i % 5 == 0 ? Vec3(terms[0][i][0], any[1], terms[0][i][2]) : any;
+        term[i] = i % 7 == 0 ? Vec3(uniform(random) < 0.0 ? 0.0 : -0.0, any[1], any[2]) : term[i];
+      }
+      addresses.push_back(term[0].data());
+    }
+    std::vector<Vec3> sums(Count);
+    orderFreeSums(weights.data(), addresses.data(), termCount, denominator, 3 * Count, sums[0].data());
+    for (int i = 0; i < Count; ++i)
+    {
+      OrderFreeSum sum;
+      for (int t = 0; t < termCount; ++t)
+      {
+        sum.add(weights[t], terms[t][i]);
+      }
+      const Vec3 expected = sum.result(denominator);
+      EXPECT_EQ(std::memcmp(sums[i].data(), expected.data(), sizeof(Vec3)), 0) << termCount << " terms, sum " << i;
+    }
+  }
+}
+
+TEST(LayerRules, ManyRegularFansAtOnceHaveTheBitsOfEach)
+{
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  constexpr int Count = 11;
+  for (const bool closed : { true, false })
+  {
+    const int spokes = closed ? 4 : 3, sectors = closed ? 4 : 2;
+    std::vector<std::vector<Vec3>> points(1 + spokes + sectors, std::vector<Vec3>(Count)), values = points;
+    std::vector<const Vec3*> from;
+    std::vector<Vec3*> to;
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+      for (Vec3& x : points[i])
+      {
+        x = Vec3(uniform(random), uniform(random), uniform(random));
+      }
+      from.push_back(points[i].data());
+      to.push_back(values[i].data());
+    }
+    smoothRegularFans(closed, from, Count, to);
+    for (int k = 0; k < Count; ++k)
+    {
+      Fan fan;
+      fan.closed = closed;
+      fan.center = points[0][k];
+      for (int i = 0; i < spokes + sectors; ++i)
+      {
+        (i < spokes ? fan.spokes : fan.sectors).push_back(points[1 + i][k]);
+      }
+      const Fan expected = smoothFan(fan, Twist::Mask, std::vector<double>(spokes, KnotInsertion));
+      EXPECT_EQ(values[0][k], expected.center);
+      for (int i = 0; i < spokes; ++i)
+      {
+        EXPECT_EQ(values[1 + i][k], expected.spokes[i]);
+      }
+      for (int i = 0; i < sectors; ++i)
+      {
+        EXPECT_EQ(values[1 + spokes + i][k], expected.sectors[i]);
+      }
+    }
   }
 }
 
