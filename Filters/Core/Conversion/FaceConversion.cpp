@@ -94,61 +94,67 @@ void convertFace(const ConversionContext& context, int face)
     context, face, { 1, 1 }, { owner.cells(faceAxis(use.face, 0)), owner.cells(faceAxis(use.face, 1)) });
 }
 
-void convertFacePoints(
-  const ConversionContext& context, int face, const std::array<int, 2>& begin, const std::array<int, 2>& end)
+namespace
+{
+
+/// Positions in a block's mesh or net as start + s * alongS + t * alongT + depth * inwards, (s, t) on the face's first
+/// block.
+struct Plane
+{
+  Index start, alongS, alongT, inwards;
+  Index operator()(int s, int t, int depth) const
+  {
+    return this->start + s * this->alongS + t * this->alongT + depth * this->inwards;
+  }
+};
+
+/// A block at the face.
+struct Side
+{
+  const GridView* points;
+  const ControlNetStorage* net;
+  bool here;
+  FaceUse use;
+  Plane mesh, control;
+
+  const MovedPoints* moved;
+  /// Of (s, t), from the face's first block.
+  int orientation;
+  std::array<int, 2> ends;
+
+  /// (s, t) in the axes of this block's face.
+  std::array<int, 2> own(int s, int t) const
+  {
+    return mapFacePoint(this->orientation, s, t, this->ends[0], this->ends[1]);
+  }
+  Vec3 at(int s, int t, int depth) const
+  {
+    const Vec3 x = this->points->atPlace(this->mesh(s, t, depth));
+    if (!this->moved)
+    {
+      return x;
+    }
+    const std::array<int, 2> st = this->own(s, t);
+    const ComplexBlock& owner = this->moved->complex.blocks[this->use.block];
+    Ijk ijk = facePoint({ owner.cells(0), owner.cells(1), owner.cells(2) }, this->use.face, st[0], st[1]);
+    ijk[faceDirection(this->use.face)] += faceSide(this->use.face) ? -depth : depth;
+    return this->moved->at(this->use.block, ijk, x);
+  }
+  void write(int s, int t, int fromEnd, const Vec3& point, ControlPointRule rule) const
+  {
+    if (!this->here)
+    {
+      return;
+    }
+    const Index i = this->control(s, t, fromEnd);
+    std::copy_n(point.data(), 3, this->net->points + 3 * i);
+    this->net->rules[i] = static_cast<std::uint8_t>(rule);
+  }
+};
+
+std::vector<Side> sidesOf(const ConversionContext& context, int face)
 {
   const ComplexFace& shared = context.complex.faces[face];
-  const FaceRule& faceRule = context.rules.faces[face];
-  const std::vector<double>& keeps = context.keeps[face];
-  const bool wall = context.isWall(face);
-
-  // Positions in a block's mesh or net as start + s * alongS + t * alongT + depth * inwards, (s, t) on the face's first
-  // block.
-  struct Plane
-  {
-    Index start, alongS, alongT, inwards;
-    Index operator()(int s, int t, int depth) const
-    {
-      return this->start + s * this->alongS + t * this->alongT + depth * this->inwards;
-    }
-  };
-  struct Side
-  {
-    const GridView* points;
-    const ControlNetStorage* net;
-    bool here;
-    FaceUse use;
-    Plane mesh, control;
-
-    const MovedPoints* moved;
-    /// Of (s, t), from the face's first block.
-    int orientation;
-    std::array<int, 2> ends;
-
-    Vec3 at(int s, int t, int depth) const
-    {
-      const Vec3 x = this->points->atPlace(this->mesh(s, t, depth));
-      if (!this->moved)
-      {
-        return x;
-      }
-      const std::array<int, 2> st = mapFacePoint(this->orientation, s, t, this->ends[0], this->ends[1]);
-      const ComplexBlock& owner = this->moved->complex.blocks[this->use.block];
-      Ijk ijk = facePoint({ owner.cells(0), owner.cells(1), owner.cells(2) }, this->use.face, st[0], st[1]);
-      ijk[faceDirection(this->use.face)] += faceSide(this->use.face) ? -depth : depth;
-      return this->moved->at(this->use.block, ijk, x);
-    }
-    void write(int s, int t, int fromEnd, const Vec3& point, ControlPointRule rule) const
-    {
-      if (!this->here)
-      {
-        return;
-      }
-      const Index i = this->control(s, t, fromEnd);
-      std::copy_n(point.data(), 3, this->net->points + 3 * i);
-      this->net->rules[i] = static_cast<std::uint8_t>(rule);
-    }
-  };
   std::vector<Side> sides;
   int ns = 0, nt = 0;
   for (const FaceUse& use : shared.uses)
@@ -192,7 +198,56 @@ void convertFacePoints(
     sides.push_back({ &owner.points, &context.nets[use.block], context.isHere(use.block), use, mesh, control,
       context.moved, orientation, { ns, nt } });
   }
+  return sides;
+}
 
+/// Points of a face between two blocks without any special rule, rows of them at once.
+void convertRegularPoints(
+  const Side& first, const Side& second, const std::array<int, 2>& begin, const std::array<int, 2>& end)
+{
+  constexpr int Most = 64;
+  using Row = std::array<Vec3, Most>;
+  Row own, inner, across, middle, towardsFirst, towardsSecond;
+  for (int t = begin[1]; t < end[1]; ++t)
+  {
+    for (int s = begin[0]; s < end[0]; s += Most)
+    {
+      const int count = std::min(Most, end[0] - s);
+      const auto read = [&](const Side& side, int depth, Row& row) {
+        for (int i = 0; i < count; ++i)
+        {
+          row[i] = side.points->atPlace(side.mesh(s + i, t, depth));
+        }
+      };
+      const auto write = [&](const Side& side, int fromEnd, const Row& row) {
+        for (int i = 0; i < count; ++i)
+        {
+          side.write(s + i, t, fromEnd, row[i], ControlPointRule::Regular);
+        }
+      };
+      read(first, 0, own);
+      read(first, 1, inner);
+      read(second, 1, across);
+      regularRow(inner[0].data(), own[0].data(), across[0].data(), Index(3) * count, middle[0].data(),
+        towardsFirst[0].data(), towardsSecond[0].data());
+      write(first, 1, towardsFirst);
+      write(first, 0, middle);
+      write(second, 0, middle);
+      write(second, 1, towardsSecond);
+    }
+  }
+}
+
+} // namespace
+
+void convertFacePoints(
+  const ConversionContext& context, int face, const std::array<int, 2>& begin, const std::array<int, 2>& end)
+{
+  const ComplexFace& shared = context.complex.faces[face];
+  const FaceRule& faceRule = context.rules.faces[face];
+  const std::vector<double>& keeps = context.keeps[face];
+  const bool wall = context.isWall(face);
+  const std::vector<Side> sides = sidesOf(context, face);
   const Side& first = sides.front();
   const Side& second = sides.back();
   // The first layer next to the face, into one of its blocks.
@@ -200,8 +255,7 @@ void convertFacePoints(
     Ijk at{ 0, 0, 0 };
     if (context.layer.varies(side.use.block, side.use.face))
     {
-      const std::array<int, 2> st =
-        &side == &first ? std::array<int, 2>{ s, t } : mapFacePoint(shared.orientation, s, t, ns, nt);
+      const std::array<int, 2> st = side.own(s, t);
       at[faceAxis(side.use.face, 0)] = st[0];
       at[faceAxis(side.use.face, 1)] = st[1];
     }
@@ -215,37 +269,7 @@ void convertFacePoints(
     context.layer.isKnotInsertion(second.use.block, second.use.face);
   if (regular)
   {
-    constexpr int Most = 64;
-    using Row = std::array<Vec3, Most>;
-    Row own, inner, across, middle, towardsFirst, towardsSecond;
-    for (int t = begin[1]; t < end[1]; ++t)
-    {
-      for (int s = begin[0]; s < end[0]; s += Most)
-      {
-        const int count = std::min(Most, end[0] - s);
-        const auto read = [&](const Side& side, int depth, Row& row) {
-          for (int i = 0; i < count; ++i)
-          {
-            row[i] = side.points->atPlace(side.mesh(s + i, t, depth));
-          }
-        };
-        const auto write = [&](const Side& side, int fromEnd, const Row& row) {
-          for (int i = 0; i < count; ++i)
-          {
-            side.write(s + i, t, fromEnd, row[i], ControlPointRule::Regular);
-          }
-        };
-        read(first, 0, own);
-        read(first, 1, inner);
-        read(second, 1, across);
-        regularRow(inner[0].data(), own[0].data(), across[0].data(), Index(3) * count, middle[0].data(),
-          towardsFirst[0].data(), towardsSecond[0].data());
-        write(first, 1, towardsFirst);
-        write(first, 0, middle);
-        write(second, 0, middle);
-        write(second, 1, towardsSecond);
-      }
-    }
+    convertRegularPoints(first, second, begin, end);
     return;
   }
   for (int t = begin[1]; t < end[1]; ++t)
@@ -261,7 +285,7 @@ void convertFacePoints(
         continue;
       }
       const Vec3 across = second.at(s, t, 1);
-      const double keep = keeps.empty() ? 0.0 : keeps[s + std::size_t(ns + 1) * t];
+      const double keep = keeps.empty() ? 0.0 : keeps[s + std::size_t(first.ends[0] + 1) * t];
       const Vec3 middle = faceRule.planar() ? own : fadedMask(inner, own, across, keep);
       const ControlPointRule rule = faceRule.planar() ? ControlPointRule::PlanarSide
         : keep > 0.0                                  ? ControlPointRule::Crease
