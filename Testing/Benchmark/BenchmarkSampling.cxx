@@ -48,7 +48,7 @@ void sampling(benchmark::State& state, int level, std::array<int, 3> derivative)
   const auto sample = [&] { bsv::sample(block.volume, level, derivative, samples.data(), run); };
   bsvbench::reportMemory(state, sample);
   const double seconds = bsvbench::fastest(state, sample);
-  state.counters["points"] = static_cast<double>(values / 3);
+  state.counters["points"] = static_cast<double>(values) / 3.0;
   bsvbench::report(state, seconds, 8.0 * values, { bsvbench::half(samples.data(), values) });
 }
 
@@ -68,7 +68,7 @@ void bezierPoints(benchmark::State& state)
   };
   bsvbench::reportMemory(state, extract);
   const double seconds = bsvbench::fastest(state, extract);
-  state.counters["points"] = static_cast<double>(values / 3);
+  state.counters["points"] = static_cast<double>(values) / 3.0;
   bsvbench::report(state, seconds, 8.0 * values, { bsvbench::half(points.data(), values) });
 }
 

@@ -740,6 +740,7 @@ std::vector<BodyPoint> BodySurface::closestPointPerPatch(const Vec3& query, doub
   }
   std::sort(kept.begin(), kept.end(), owns);
   std::vector<BodyPoint> results;
+  results.reserve(kept.size());
   for (const Candidate& candidate : kept)
   {
     results.push_back(this->Data->bodyPoint(candidate));

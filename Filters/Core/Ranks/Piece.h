@@ -22,6 +22,7 @@ struct Piece
   std::vector<int> owners(const std::vector<std::array<int, 3>>& counts) const
   {
     std::vector<Index> points;
+    points.reserve(counts.size());
     for (const std::array<int, 3>& block : counts)
     {
       points.push_back(Index(block[0]) * block[1] * block[2]);

@@ -84,6 +84,7 @@ public:
       return toRank;
     }
     std::vector<Span> messages;
+    messages.reserve(toRank.size());
     for (const std::vector<T>& part : toRank)
     {
       messages.push_back(bytesOf(part));

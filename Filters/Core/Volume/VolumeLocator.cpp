@@ -239,7 +239,7 @@ std::optional<VolumePlace> VolumeLocator::Spans::search(
   {
     return std::nullopt;
   }
-  if (const auto found = this->iterate(block, part, low, high, point, tolerance))
+  if (auto found = this->iterate(block, part, low, high, point, tolerance))
   {
     return found;
   }
@@ -254,7 +254,7 @@ std::optional<VolumePlace> VolumeLocator::Spans::search(
     {
       for (const Part& u : halved(v, degree, 0))
       {
-        if (const auto found = this->search(block, u, low, high, point, tolerance, depth + 1))
+        if (auto found = this->search(block, u, low, high, point, tolerance, depth + 1))
         {
           return found;
         }

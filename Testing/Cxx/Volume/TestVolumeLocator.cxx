@@ -109,7 +109,7 @@ TEST(VolumeLocator, SharedPointsBelongToTheLowestBlockThatIsHere)
     for (int corner = 0; corner < 8; ++corner)
     {
       cubes[n].points.insert(
-        cubes[n].points.end(), { double(n + corner % 2), double(corner / 2 % 2), double(corner / 4) });
+        cubes[n].points.end(), { double(n + (corner & 1)), double(corner >> 1 & 1), double(corner >> 2) });
     }
   }
   std::vector<BSplineVolume> views{ cubes[0].view(), cubes[1].view() };
