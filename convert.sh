@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Converts a block-structured hexahedral mesh to B-spline volumes; installs and builds what is missing before.
+# Converts a block-structured hexahedral mesh to B-spline volumes; installs and builds what is missing before. The rest is
+# the command bsplinevolume, here with the folder output/ for its files.
 #
 #   ./convert.sh                       a generated demonstration mesh
-#   ./convert.sh [options] mesh.xyz    your own: PLOT3D (with a neutral map file .nmf beside it, if any) or CGNS
+#   ./convert.sh [options] mesh.xyz    your own: PLOT3D (with a neutral map file .nmf beside it, if any), CGNS, VTK, Exodus
 #   ./convert.sh --help                all options
 set -eu
 
@@ -14,4 +15,7 @@ if [ ! -e "$root/build/CMakeCache.txt" ]; then
 fi
 cmake --build "$root/build"
 
-exec python3 "$root/Filters/Python/display.py" pvpython "$root/Examples/convert.py" "$@"
+if [ $# -eq 0 ]; then
+  set -- "$(python3 "$root/Examples/make_demo_mesh.py" output)" --crease-angle 30
+fi
+exec "$root/build/bin/bsplinevolume" convert --output output/ "$@"

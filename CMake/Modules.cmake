@@ -81,6 +81,10 @@ if (BSPLINEVOLUME_WRAP_PYTHON)
   endforeach ()
   install(FILES "${CMAKE_BINARY_DIR}/${bsv_plugin_dir}/bsplinevolume/__init__.py"
     DESTINATION "${bsv_plugin_dir}/bsplinevolume")
+  # The command lies where programs are, the package where the plugin is.
+  file(RELATIVE_PATH bsv_package_of_command "/${CMAKE_INSTALL_BINDIR}" "/${bsv_plugin_dir}")
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/bsplinevolume.in" "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_BINDIR}/bsplinevolume" @ONLY)
+  install(PROGRAMS "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_BINDIR}/bsplinevolume" DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif ()
 
 if (BSPLINEVOLUME_BUILD_PARAVIEW_PLUGIN)

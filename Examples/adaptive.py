@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Refinement at walls alone, against refinement everywhere: the same first cells at the wall, far fewer cells.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/adaptive.py                           the wing source, level 2 of everything and of the wall
     pvpython Examples/adaptive.py --mesh wing.xyz --level 1
 

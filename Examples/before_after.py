@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws the control nets of a mesh before and after the conversion: body and symmetry planes with their points.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/before_after.py                             a generated demonstration mesh
     pvpython Examples/before_after.py --mesh wing.xyz --body WALL
 

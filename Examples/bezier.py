@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows the exact Bezier cells of a B-spline volume as ParaView draws them.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/bezier.py                             a generated demonstration mesh, coarse
     pvpython Examples/bezier.py --mesh wing.xyz --body WALL
 

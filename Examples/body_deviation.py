@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares the wall of a B-spline volume with the exact NURBS surface of the body.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/body_deviation.py                        a generated mesh around an ellipsoid
     pvpython Examples/body_deviation.py --mesh wing.xyz --cad wing.igs --unit Metre --body WALL
     pvpython Examples/body_deviation.py --mesh wing.xyz --cad wing.igs --body-face 4     face k = 1 of all blocks

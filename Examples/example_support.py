@@ -48,7 +48,15 @@ def parser(description, picture=None, mesh=True):
     return arguments
 
 
+def need_display():
+    """Without a display this script starts again, in an X server of its own."""
+    if not os.environ.get("DISPLAY"):
+        server = os.path.join(HERE, "..", "Filters", "Python", "display.py")
+        os.execvp("python3", ["python3", server, "pvpython", *sys.argv])
+
+
 def load_plugin(path):
+    need_display()
     pv.LoadPlugin(os.path.abspath(path), remote=False, ns=pv.__dict__)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows the body's surface in the levels 0 to 3 of the sampling hierarchy side by side.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/hierarchy.py                             a generated demonstration mesh
     pvpython Examples/hierarchy.py --mesh wing.xyz --body WALL
 

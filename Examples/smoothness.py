@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows how smoothly the blocks of a B-spline volume join.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/smoothness.py                             a generated demonstration mesh
     pvpython Examples/smoothness.py --mesh wing.xyz --crease-angle 30
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Converts one mesh by all rules for extraordinary edges and vertices, and draws their walls side by side.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/twist_rules.py                        a generated mesh around an ellipsoid
     pvpython Examples/twist_rules.py --mesh wing.xyz --cad wing.igs --unit Metre --body WALL
 

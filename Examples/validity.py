@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows which spans of a B-spline volume are proven valid, and which are not.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/validity.py                             a generated demonstration mesh
     pvpython Examples/validity.py --mesh wing.xyz
 

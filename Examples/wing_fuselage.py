@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The wing-fuselage case from mesh to B-spline volumes: source, conversion, files, table of rules, two pictures.
 
-Sample runs (drawing needs a display; without one, put xvfb-run -a in front):
+Sample runs (without a display each starts one in memory):
     pvpython Examples/wing_fuselage.py
     pvpython Examples/wing_fuselage.py --resolution 16 --span 5 --sweep 35
 

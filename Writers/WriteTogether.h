@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file WriteTogether.h
-/// How the writers end: on all ranks together, with one message.
+/// How the writers begin and end: on all ranks together, with one message.
 #pragma once
 
 #include "Execution/FilterExecution.h"
@@ -8,8 +8,11 @@
 #include "Ranks/Ranks.h"
 
 #include <vtkErrorCode.h>
+#include <vtkTimeStamp.h>
+#include <vtkWriter.h>
 
 #include <exception>
+#include <memory>
 #include <string>
 
 namespace bsv
@@ -60,6 +63,31 @@ unsigned long writeTogether(vtkAlgorithm* algorithm, const std::string& fileName
                                     : vtkErrorCode::FileFormatError;
   }
   return vtkErrorCode::NoError;
+}
+
+/// The body of a writer's Write(). VTK does not come to WriteData() on a rank where the input is missing or could not
+/// be made, while the others wait for it there: such a rank joins them with an error.
+/// @param written when WriteData() was over last
+/// @param superclass runs vtkWriter::Write()
+/// @return what the writer's error code becomes
+template <typename Superclass>
+unsigned long writeOnAllRanks(
+  vtkWriter* writer, const std::string& fileName, const vtkTimeStamp& written, const Superclass& superclass)
+{
+  const std::shared_ptr<const Ranks> ranks = globalRanks();
+  const vtkMTimeType before = written.GetMTime();
+  if (ranks->size() == 1 || writer->GetNumberOfInputConnections(0) > 0)
+  {
+    const bool good = superclass() != 0;
+    if (ranks->size() == 1 || written.GetMTime() != before)
+    {
+      const unsigned long code = writer->GetErrorCode();
+      return good || code != vtkErrorCode::NoError ? code : static_cast<unsigned long>(vtkErrorCode::UserError);
+    }
+  }
+  return writeTogether(writer, fileName, *ranks, [&] {
+    throw Error("rank " + std::to_string(ranks->rank()) + ": the input is missing there, or could not be made");
+  });
 }
 
 } // namespace bsv

@@ -40,6 +40,14 @@ int vtkBSplineVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
+int vtkBSplineVolumeWriter::Write()
+{
+  this->SetErrorCode(
+    bsv::writeOnAllRanks(this, this->FileName, this->WriteTime, [this] { return this->Superclass::Write(); }));
+  return this->GetErrorCode() == vtkErrorCode::NoError ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
 void vtkBSplineVolumeWriter::WriteData()
 {
   const bsv::Execution run = bsv::filterExecution(this);

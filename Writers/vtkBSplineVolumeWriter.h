@@ -74,6 +74,11 @@ public:
   vtkGetMacro(GmshVersion, int);
   ///@}
 
+  /**
+   * As in vtkWriter. On several ranks an input that is missing on some of them is an error of all.
+   */
+  int Write() override;
+
 protected:
   vtkBSplineVolumeWriter() = default;
   ~vtkBSplineVolumeWriter() override = default;

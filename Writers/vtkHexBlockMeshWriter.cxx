@@ -117,6 +117,14 @@ int vtkHexBlockMeshWriter::FillInputPortInformation(int, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
+int vtkHexBlockMeshWriter::Write()
+{
+  this->SetErrorCode(
+    bsv::writeOnAllRanks(this, this->FileName, this->WriteTime, [this] { return this->Superclass::Write(); }));
+  return this->GetErrorCode() == vtkErrorCode::NoError ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
 void vtkHexBlockMeshWriter::WriteData()
 {
   const bsv::Execution run = bsv::filterExecution(this);

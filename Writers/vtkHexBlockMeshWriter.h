@@ -148,6 +148,11 @@ public:
    */
   vtkGetCharFromStdStringMacro(LevelTable);
 
+  /**
+   * As in vtkWriter. On several ranks an input that is missing on some of them is an error of all.
+   */
+  int Write() override;
+
 protected:
   vtkHexBlockMeshWriter() = default;
   ~vtkHexBlockMeshWriter() override = default;

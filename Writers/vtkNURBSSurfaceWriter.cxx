@@ -113,6 +113,14 @@ int vtkNURBSSurfaceWriter::FillInputPortInformation(int, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
+int vtkNURBSSurfaceWriter::Write()
+{
+  this->SetErrorCode(
+    bsv::writeOnAllRanks(this, this->FileName, this->WriteTime, [this] { return this->Superclass::Write(); }));
+  return this->GetErrorCode() == vtkErrorCode::NoError ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
 void vtkNURBSSurfaceWriter::WriteData()
 {
   const bsv::Execution run = bsv::filterExecution(this);

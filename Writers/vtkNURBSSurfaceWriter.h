@@ -76,6 +76,11 @@ public:
   vtkGetMacro(LengthUnit, int);
   ///@}
 
+  /**
+   * As in vtkWriter. On several ranks an input that is missing on some of them is an error of all.
+   */
+  int Write() override;
+
 protected:
   vtkNURBSSurfaceWriter();
   ~vtkNURBSSurfaceWriter() override = default;

@@ -62,6 +62,14 @@ int vtkQuadflowWriter::FillInputPortInformation(int, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
+int vtkQuadflowWriter::Write()
+{
+  this->SetErrorCode(
+    bsv::writeOnAllRanks(this, this->FileName, this->WriteTime, [this] { return this->Superclass::Write(); }));
+  return this->GetErrorCode() == vtkErrorCode::NoError ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
 void vtkQuadflowWriter::WriteData()
 {
   const bsv::Execution run = bsv::filterExecution(this);

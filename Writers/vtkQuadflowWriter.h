@@ -97,6 +97,11 @@ public:
   int GetNumberOfBoundaryIds() const { return static_cast<int>(this->BoundaryIds.size()); }
   ///@}
 
+  /**
+   * As in vtkWriter. On several ranks an input that is missing on some of them is an error of all.
+   */
+  int Write() override;
+
 protected:
   vtkQuadflowWriter() = default;
   ~vtkQuadflowWriter() override = default;

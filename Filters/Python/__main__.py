@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command: python3 -m bsplinevolume convert|check|report|levels|formats ..."""
+"""The command bsplinevolume convert|check|report|levels|formats ...; the same as python3 -m bsplinevolume."""
 import argparse
 import os
 import sys
+
+from vtkmodules.vtkCommonCore import vtkSMPTools
 
 import bsplinevolume as bsv
 from bsplinevolume import pipeline, report as html_report
@@ -71,20 +73,54 @@ def converted(arguments):
     return volume
 
 
+def is_folder(path):
+    return path.endswith(os.sep) or os.path.isdir(path)
+
+
 def convert(arguments):
-    for path in arguments.output:
-        pipeline.writer_of(path)  # not to fail after the work
+    for path in arguments.output:  # not to fail after the work
+        if is_folder(path):
+            os.makedirs(path, exist_ok=True)
+        else:
+            pipeline.writer_of(path)
     volume = converted(arguments)
     print(volume.report)
     for path in arguments.output:
-        volume.write(path, level=arguments.level)
-        print("written:", path)
+        if is_folder(path):
+            write_folder(path, volume, arguments)
+        else:
+            volume.write(path, level=arguments.level)
+            print("written:", path)
     return 0
+
+
+def write_folder(folder, volume, arguments):
+    """What one looks at first: the topology, control nets before and after and samples for ParaView, the report."""
+    name = os.path.join(folder, os.path.splitext(os.path.basename(arguments.mesh))[0])
+    volume.write(name + ".qfmb")
+    print("written:", name + ".qfmb")
+    mesh = pipeline.source_of(arguments.mesh, pipeline.MESH_READERS)
+    mesh.Update()
+    for part, data in (("before", mesh.GetOutputDataObject(0)), ("after", volume.to_vtk()),
+                       ("samples", volume.sampled(arguments.level))):
+        if data.IsA("vtkPartitionedDataSetCollection"):  # else the mesh is a file of VTK already
+            path = f"{name}_{part}.vtpc"
+            pipeline.write(path, data, None, {})
+            print("written:", path)
+    write_report(name + ".html", volume, arguments)
+
+
+def write_report(path, volume, arguments):
+    missing = html_report.write(path, arguments.mesh, arguments.body_file, volume, properties_of(arguments))
+    if missing:
+        print("warning: no pictures:", missing, file=sys.stderr)
+    print("written:", path)
 
 
 def check(arguments):
     """Exit status 0: all spans proven valid; 1: some are invalid; 2: some are undecided."""
-    is_volume = any(getattr(bsv, name)().CanReadFile(arguments.mesh) for name in pipeline.VOLUME_READERS)
+    is_volume = os.path.exists(arguments.mesh) and (pipeline.is_volume_of_vtk(arguments.mesh) or any(
+        getattr(bsv, name)().CanReadFile(arguments.mesh) for name in pipeline.VOLUME_READERS))
     volume = bsv.read(arguments.mesh) if is_volume else converted(arguments)
     quality = volume.quality()
     print(quality["report"])
@@ -93,12 +129,7 @@ def check(arguments):
 
 def report(arguments):
     pipeline.require_folder(arguments.output)
-    volume = converted(arguments)
-    missing = html_report.write(
-        arguments.output, arguments.mesh, arguments.body_file, volume, properties_of(arguments))
-    if missing:
-        print("warning: no pictures:", missing, file=sys.stderr)
-    print("written:", arguments.output)
+    write_report(arguments.output, converted(arguments), arguments)
     return 0
 
 
@@ -129,7 +160,9 @@ def main(words=None):
     commands = parser.add_subparsers(required=True)
     one = commands.add_parser("convert", help="convert a mesh, print the report, write files")
     conversion_arguments(one)
-    one.add_argument("--output", action="append", default=[], help="file to write, by its ending; may be repeated")
+    one.add_argument("--output", action="append", default=[], metavar="FILE",
+                     help="file to write, by its ending (see formats), or a folder, FOLDER/, for all that one looks at "
+                          "first: .qfmb, .vtpc files for ParaView and a report; may be repeated")
     one.add_argument("--level", type=int, default=1, help="level of sampled meshes (1)")
     one.set_defaults(run=convert)
     one = commands.add_parser("check", help="validity of all spans; status 0 valid, 1 invalid, 2 undecided, 3 error",
@@ -149,6 +182,10 @@ def main(words=None):
     one = commands.add_parser("formats", help="the endings of files that can be written")
     one.set_defaults(run=formats)
     arguments = parser.parse_args(words)
+    # VTK runs on one core unless it is told otherwise.
+    if "VTK_SMP_BACKEND_IN_USE" not in os.environ:
+        os.environ["VTK_SMP_BACKEND_IN_USE"] = "STDThread"  # of the program that draws
+        vtkSMPTools.SetBackend("STDThread")
     try:
         return arguments.run(arguments)
     except (bsv.Error, OSError) as error:

@@ -145,7 +145,9 @@ def run(algorithm, progress=None):
 
 #: VTK's own readers by the ending of files: module and class.
 VTK_READERS = {
-    **dict.fromkeys([".vts", ".vtu", ".vtm", ".vtmb", ".vtpc", ".vtpd"], ("vtkIOXML", "vtkXMLGenericDataObjectReader")),
+    **dict.fromkeys([".vts", ".vtu", ".vtm", ".vtmb"], ("vtkIOXML", "vtkXMLGenericDataObjectReader")),
+    ".vtpc": ("vtkIOXML", "vtkXMLPartitionedDataSetCollectionReader"),
+    ".vtpd": ("vtkIOXML", "vtkXMLPartitionedDataSetReader"),
     ".pvtu": ("vtkIOXML", "vtkXMLPUnstructuredGridReader"),
     ".pvts": ("vtkIOXML", "vtkXMLPStructuredGridReader"),
     ".vtk": ("vtkIOLegacy", "vtkGenericDataObjectReader"),
@@ -188,6 +190,15 @@ def vtk_reader(path):
     return reader
 
 
+def is_volume_of_vtk(path):
+    """Whether this is a .vtpc file of blocks with knots, as ParaView and write() make of a volume."""
+    if os.path.splitext(path)[1].lower() != ".vtpc":
+        return False
+    data = vtk_reader(path).GetOutputDataObject(0)
+    grids = [data.GetPartition(n, 0) for n in range(data.GetNumberOfPartitionedDataSets())]
+    return bool(grids) and all(grid is not None and grid.GetFieldData().HasArray("KnotsU") for grid in grids)
+
+
 def source_of(data, reader_classes=None):
     """A producer of `data`: an algorithm, a data object, or the path of a file."""
     if isinstance(data, vtkAlgorithm):
@@ -204,6 +215,8 @@ def source_of(data, reader_classes=None):
                 reader.SetFileName(path)
                 return reader
         reader = vtk_reader(path) if reader_classes is MESH_READERS else None
+        if reader_classes is VOLUME_READERS and is_volume_of_vtk(path):
+            reader = vtk_reader(path)
         if reader is None:
             raise Error(path + " is no file that " + " or ".join(name[3:] for name in reader_classes) + " can read" +
                         (", and none of VTK's (" + " ".join(VTK_READERS) + ")" if reader_classes is MESH_READERS else ""))
@@ -225,6 +238,7 @@ VOLUME_READERS = ("vtkQuadflowReader", "vtkBSplineVolumeReader")
 
 #: Ending of a file: the writer, and whether it takes the volume itself (else a mesh sampled from it).
 WRITERS = {
+    ".vtpc": ("vtkXMLPartitionedDataSetCollectionWriter", True),
     ".qfmb": ("vtkQuadflowWriter", True),
     ".mesh": ("vtkBSplineVolumeWriter", True),
     ".xml": ("vtkBSplineVolumeWriter", True),
@@ -263,7 +277,8 @@ def require_folder(path):
 def write(path, volume, samples, properties):
     """Writes by the ending of `path`. @param samples a function of no argument that gives the sampled mesh"""
     name, exact = writer_of(path)
-    writer = getattr(BSplineVolumeWriters, name)()
+    library = BSplineVolumeWriters if hasattr(BSplineVolumeWriters, name) else importlib.import_module("vtkmodules.vtkIOParallelXML")
+    writer = getattr(library, name)()
     writer.SetFileName(os.fspath(path))
     set_properties(writer, properties)
     connect(writer.SetInputConnection, volume if exact else samples())

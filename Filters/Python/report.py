@@ -32,18 +32,23 @@ JOIN_COLUMNS = {"Class": "class", "Kind": "what", "NameA": "block", "NameB": "bl
                 "MaximumLayerJump": "kink of layers, degrees", "MaximumC1Jump": "C1 jump", "MaximumC2Jump": "C2 jump"}
 
 #: Captions and files.
-PICTURES = (("The volumes: wall, creases, extraordinary curves", "volume.png"),
+PICTURES = (("Control nets, before and after", "nets.png"),
+            ("The volumes: wall, creases, extraordinary curves", "volume.png"),
             ("Validity: the wall as a ghost, spans that are not proven valid inside", "quality.png"),
             ("Smoothness: interfaces by the kink of their layers", "smoothness.png"),
             ("Distance of the wall from the body", "deviation.png"))
 
-# Runs in ParaView's Python: mesh file, 1 if one of our readers reads it, body file or "-", folder, plugin, properties.
+#: Role of the boundaries that are the wall, in the field data array BoundaryRoles.
+BODY = 1
+
+# Runs in ParaView's Python: mesh file, 1 if one of our readers reads it, body file or "-", folder, plugin, properties, the
+# direction to look from.
 DRAW = """
 import json
 import os
 import sys
 from paraview import simple
-mesh_file, own, body_file, folder, plugin, properties = sys.argv[1:]
+mesh_file, own, body_file, folder, plugin, properties, towards = sys.argv[1:]
 simple.LoadPlugin(plugin, remote=False, ns=simple.__dict__)
 mesh = simple.HexBlockMeshReader(FileName=mesh_file) if own == "1" else simple.OpenDataFile(mesh_file)
 volume = simple.CatmullClarkToBSplineVolume(Input=mesh)
@@ -57,9 +62,24 @@ shots = [("volume.png", volume), ("quality.png", simple.BSplineVolumeQuality(Inp
 if body_file != "-":
     shots.append(("deviation.png", simple.BodyDeviation(Input=volume)))
 simple.LoadPalette("WhiteBackground")
-for name, source in shots:
+
+
+def view_of(width):
     view = simple.CreateView("RenderView")
-    view.ViewSize = [1100, 700]
+    view.ViewSize = [width, 700]
+    return view
+
+
+def look(view, zoom):
+    simple.ResetCamera(view)
+    view.CameraPosition = [f + d for f, d in zip(view.CameraFocalPoint, json.loads(towards))]
+    view.CameraViewUp = [0.0, 0.0, 1.0]
+    simple.ResetCamera(view)
+    simple.GetActiveCamera().Zoom(zoom)
+
+
+for name, source in shots:
+    view = view_of(1100)
     display = simple.Show(source, view)
     if name == "quality.png":
         # The wall is what the spans that are not proven valid are seen against.
@@ -70,16 +90,42 @@ for name, source in shots:
     elif display.ColorArrayName[1]:
         display.RescaleTransferFunctionToDataRange(False, True)
         display.SetScalarBarVisibility(view, True)
-    simple.ResetCamera(view)
-    view.CameraPosition = [f + d for f, d in zip(view.CameraFocalPoint, (-4.0, -5.0, 3.5))]
-    view.CameraViewUp = [0.0, 0.0, 1.0]
-    simple.ResetCamera(view)
-    simple.GetActiveCamera().Zoom(1.4)
+    look(view, 1.4)
     simple.SaveScreenshot(os.path.join(folder, name), view, ImageResolution=[1100, 700])
+
+layout = simple.CreateLayout()
+layout.SetSize(1100, 700)
+layout.SplitHorizontal(0, 0.5)
+for source, cell in (mesh, 1), (volume, 2):
+    view = view_of(550)
+    simple.AssignViewToLayout(view, layout, cell)
+    source.UpdatePipeline()
+    simple.Show(source, view)
+    look(view, 1.0)
+simple.SaveScreenshot(os.path.join(folder, "nets.png"), layout, ImageResolution=[1100, 700])
 """
 
 
-def _pictures(folder, mesh, body, properties):
+def _direction(volume):
+    """Of eight directions to look from, the one from which most of the wall is seen: not from inside half a body."""
+    data = volume.to_vtk().GetFieldData()
+    roles, table = data.GetArray("BoundaryRoles"), data.GetArray("Boundaries")
+    normals = [np.zeros((0, 3))]
+    for row in vtk_to_numpy(table) if table and roles else []:
+        block, face, tag = row[:3]
+        if tag < 0 or roles.GetValue(tag) != BODY:
+            continue
+        net = volume.blocks[block].points
+        wall, inner = (np.take(net, -1 - depth if face % 2 else depth, axis=2 - face // 2) for depth in (0, 1))
+        across = np.cross(wall[1:, 1:] - wall[:-1, :-1], wall[1:, :-1] - wall[:-1, 1:])
+        side = np.sum(across * (inner - wall)[:-1, :-1], axis=-1, keepdims=True)
+        normals.append((across * np.sign(side)).reshape(-1, 3))
+    normals = np.concatenate(normals)
+    directions = [(x, y, 3.5) for y in (-5.0, 5.0) for x in (-4.0, 4.0)] + [(y, x, 3.5) for y in (-5.0, 5.0) for x in (-4.0, 4.0)]
+    return max(directions, key=lambda towards: np.count_nonzero(normals @ towards > 0))
+
+
+def _pictures(folder, mesh, body, volume, properties):
     """Draws with ParaView's Python, in an X server of its own where there is no display. Returns why not, or ""."""
     plugin = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "BSplineVolume.so")
     if not os.path.exists(plugin):
@@ -92,7 +138,7 @@ def _pictures(folder, mesh, body, properties):
         file.write(DRAW)
     own = any(getattr(bsv, name)().CanReadFile(mesh) for name in bsv.pipeline.MESH_READERS)
     command = [program, script, os.path.abspath(mesh), str(int(own)), os.path.abspath(body) if body else "-", folder, plugin,
-               json.dumps(properties)]
+               json.dumps(properties), json.dumps(_direction(volume))]
     try:
         with contextlib.nullcontext(dict(os.environ)) if os.environ.get("DISPLAY") else display() as environment:
             environment.pop("PYTHONHOME", None)
@@ -149,7 +195,7 @@ def write(path, mesh, body, volume, properties):
     if volume.warnings:
         parts.append("<h2>Warnings</h2><ul>%s</ul>" % "".join("<li>%s</li>" % html.escape(w) for w in volume.warnings))
     with tempfile.TemporaryDirectory() as folder:
-        missing = _pictures(folder, mesh, body, properties)
+        missing = _pictures(folder, mesh, body, volume, properties)
         for caption, name in PICTURES:
             picture = os.path.join(folder, name)
             if os.path.exists(picture):

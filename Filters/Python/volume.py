@@ -3,7 +3,7 @@
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet, vtkPolyData
 
 from . import pipeline
 
@@ -144,8 +144,20 @@ class Volume:
             self.blocks.append(Block(name, data.GetPartition(n, 0)))
 
     def to_vtk(self):
-        """The vtkPartitionedDataSetCollection; pyvista.wrap() takes it as well."""
+        """The vtkPartitionedDataSetCollection."""
         return self._data
+
+    def to_multiblock(self, level=None):
+        """The control nets, or the samples at a level, as a vtkMultiBlockDataSet with the blocks' names.
+
+        It is for programs without a class for collections: pyvista.wrap() makes a pyvista.MultiBlock of it.
+        """
+        data = self._data if level is None else self.sampled(level)
+        blocks = vtkMultiBlockDataSet()
+        for n, block in enumerate(self.blocks):
+            blocks.SetBlock(n, data.GetPartition(n, 0))
+            blocks.GetMetaData(n).Set(vtkMultiBlockDataSet.NAME(), block.name)
+        return blocks
 
     def evaluate(self, block, u, v, w, derivatives=0):
         """Block.evaluate() of a block by number."""
@@ -217,7 +229,7 @@ class Volume:
         return counts
 
     def write(self, path, level=1, **properties):
-        """Writes the volume (.qfmb .mesh .xml .g2 .msh .h5), its wall (.step .stp .igs .iges), or a mesh sampled at `level`
+        """Writes the volume (.qfmb .vtpc .mesh .xml .g2 .msh .h5), its wall (.step .stp .igs .iges), or a mesh sampled at `level`
         (.cgns .xyz .x .p3d .foam)."""
         self.warnings.extend(pipeline.write(path, self._data, lambda: self.sampled(level), properties))
 
@@ -254,7 +266,7 @@ def convert(mesh, body=None, progress=None, **properties):
 
 
 def read(path):
-    """Reads a Volume from .qfmb, GoTools .g2 or MFEM .mesh."""
+    """Reads a Volume from .qfmb, .vtpc, GoTools .g2 or MFEM .mesh."""
     reader = pipeline.source_of(path, pipeline.VOLUME_READERS)
     warnings = pipeline.run(reader)
     return Volume(reader.GetOutputDataObject(0), "", warnings)

@@ -118,6 +118,11 @@ public:
     {
       throw Error(fileName + ": cannot be opened for reading");
     }
+    // What most layouts are found by.
+    constexpr Index HeadBytes = 1 << 12;
+    std::string head(static_cast<std::size_t>(std::min(this->Size, HeadBytes)), '\0');
+    this->readPlain(0, head.data(), static_cast<Index>(head.size()));
+    this->Head = std::move(head);
   }
 
   const std::string& name() const { return this->Name; }
@@ -194,6 +199,11 @@ public:
 private:
   void readPlain(Index offset, void* target, Index bytes)
   {
+    if (offset >= 0 && offset + bytes <= static_cast<Index>(this->Head.size()))
+    {
+      this->Head.copy(static_cast<char*>(target), static_cast<std::size_t>(bytes), static_cast<std::size_t>(offset));
+      return;
+    }
     this->Stream.seekg(offset);
     this->Stream.read(static_cast<char*>(target), bytes);
     if (this->Stream.gcount() != bytes || !this->Stream)
@@ -227,6 +237,8 @@ private:
   std::string Name;
   Index Size;
   std::ifstream Stream;
+  /// The first bytes of the file.
+  std::string Head;
   std::vector<Record> Records;
 };
 
@@ -246,12 +258,14 @@ bool isText(InputFile& file)
 class ListReader
 {
 public:
-  explicit ListReader(InputFile& file)
-    : ListReader(file, file.size() - file.textStart())
+  explicit ListReader(InputFile& file, const Execution& run = {})
+    : ListReader(file, file.size() - file.textStart(), run)
   {
   }
-  ListReader(InputFile& file, Index bytes)
+  /// @param run is asked whether to stop after each part
+  ListReader(InputFile& file, Index bytes, const Execution& run = {})
     : File(file)
+    , Run(run)
     , Offset(file.textStart())
     , Remaining(bytes)
     , Buffer(static_cast<std::size_t>(std::min(bytes, Index(1) << 20)))
@@ -385,6 +399,7 @@ private:
   /// Reads on, and drops what lies before At.
   void refill()
   {
+    this->Run.report(0.0);
     this->LinesBefore += std::count(static_cast<const char*>(this->Buffer.data()), this->At, '\n');
     const Index kept = std::copy(this->At, this->End, this->Buffer.data()) - this->Buffer.data();
     const Index added = std::min(this->Remaining, static_cast<Index>(this->Buffer.size()) - kept);
@@ -494,6 +509,7 @@ private:
   }
 
   InputFile& File;
+  const Execution Run;
   /// Where the text goes on that is not in the buffer, and how many bytes there are.
   Index Offset;
   Index Remaining;
@@ -594,7 +610,7 @@ const std::vector<OtherKind>& otherKinds()
 }
 
 /// What an ASCII file of `values` numbers is that is no grid; empty if no kind explains their number.
-std::string otherKindOfText(InputFile& file, Index values)
+std::string otherKindOfText(InputFile& file, Index values, const Execution& run)
 {
   for (const OtherKind& kind : otherKinds())
   {
@@ -606,7 +622,7 @@ std::string otherKindOfText(InputFile& file, Index values)
       }
       try
       {
-        ListReader reader(file);
+        ListReader reader(file, run);
         const int blocks = multiBlock ? reader.integer() : 1;
         Index needed = saturatingSum(multiBlock ? 1 : 0, saturatingProduct(kind.counts, blocks));
         bool possible = blocks >= 1 && needed < values;
@@ -628,6 +644,10 @@ std::string otherKindOfText(InputFile& file, Index values)
           return std::string("the file is ") + kind.text;
         }
       }
+      catch (const Aborted&)
+      {
+        throw;
+      }
       catch (const Error&)
       {
         // Not this one.
@@ -647,9 +667,9 @@ void refuseEncodings(InputFile& file)
   }
 }
 
-Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
+Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options, const Execution& run)
 {
-  ListReader all(file);
+  ListReader all(file, run);
   const Index values = all.countValues();
   const Index lines = all.line();
   const std::size_t firstLine = file.start(1 << 10, file.textStart()).find('\n');
@@ -706,8 +726,8 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options)
     failure = expected ? mismatch : failure;
   }
   // A word instead of a number, or a missing blank, is the better explanation.
-  ListReader(file).checkNumbers();
-  const std::string other = otherKindOfText(file, values);
+  ListReader(file, run).checkNumbers();
+  const std::string other = otherKindOfText(file, values, run);
   throw Error(other.empty() ? failure : file.name() + ": " + other);
 }
 
@@ -899,55 +919,86 @@ struct Failure
   std::string text;
 };
 
-/// Reads the markers around a record of `bytes`, which starts at `offset`.
-void checkRecord(InputFile& file, const Plot3DLayout& layout, Index offset, Index bytes, const std::string& what)
+/// Whether the markers around a record of `bytes`, which starts at `offset`, say so. @param[out] at, found the one that
+/// does not, unless it lies behind the end of the file
+bool isRecord(InputFile& file, const Plot3DLayout& layout, Index offset, Index bytes, Index& at, Index& found)
 {
   const Index marker = markerSize(layout);
-  for (const Index at : { offset, offset + marker + bytes })
+  for (const Index place : { offset, offset + marker + bytes })
   {
+    at = place;
     if (at + marker > file.size())
     {
-      throw Error("the record marker of the " + what + " at offset " + std::to_string(at) +
-        " lies behind the end of the file (" + std::to_string(file.size()) + " bytes)");
+      return false;
     }
-    const Index found = marker == 4 ? Index(readValue<std::int32_t>(file, at, layout.byteOrder))
-                                    : readValue<std::int64_t>(file, at, layout.byteOrder);
+    found = marker == 4 ? Index(readValue<std::int32_t>(file, at, layout.byteOrder))
+                        : readValue<std::int64_t>(file, at, layout.byteOrder);
     if (found != bytes)
     {
-      throw Error("the record marker at offset " + std::to_string(at) + " is " + std::to_string(found) + ", not the " +
-        std::to_string(bytes) + " bytes of the " + what);
+      return false;
     }
   }
+  return true;
 }
 
-/// Reads the points per direction of the blocks for the format, order and multiBlock given.
+bool isRecord(InputFile& file, const Plot3DLayout& layout, Index offset, Index bytes)
+{
+  Index at = 0;
+  Index found = 0;
+  return isRecord(file, layout, offset, bytes, at, found);
+}
+
+/// What is wrong with the markers around a record; empty if nothing is.
+std::string recordFault(InputFile& file, const Plot3DLayout& layout, Index offset, Index bytes, const std::string& what)
+{
+  Index at = 0;
+  Index found = 0;
+  if (isRecord(file, layout, offset, bytes, at, found))
+  {
+    return {};
+  }
+  if (at + markerSize(layout) > file.size())
+  {
+    return "the record marker of the " + what + " at offset " + std::to_string(at) +
+      " lies behind the end of the file (" + std::to_string(file.size()) + " bytes)";
+  }
+  return "the record marker at offset " + std::to_string(at) + " is " + std::to_string(found) + ", not the " +
+    std::to_string(bytes) + " bytes of the " + what;
+}
+
+/// Reads the points per direction of the blocks for the format, order and multiBlock given. Most of the layouts that
+/// are tried are wrong, so that this is told by the result.
 /// @param[out] progress how much of the header was believable.
-/// @throws Error with the reason, without the file's name.
-void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
+/// @return what is wrong, without the file's name; empty if nothing is
+std::string readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
 {
   const Index marker = markerSize(layout);
   Index offset = 0;
   Index blocks = 1;
   const Index size = layout.integerSize;
-  const auto require = [&](Index bytes) {
-    if (bytes > file.size())
-    {
-      throw Error("the header needs " + number(bytes) + " bytes, the file has " + std::to_string(file.size()));
-    }
+  const auto tooShort = [&](Index bytes) {
+    return "the header needs " + number(bytes) + " bytes, the file has " + std::to_string(file.size());
   };
   progress = Nothing;
   if (layout.multiBlock)
   {
-    require(size + 2 * marker);
+    if (size + 2 * marker > file.size())
+    {
+      return tooShort(size + 2 * marker);
+    }
     if (marker != 0)
     {
-      checkRecord(file, layout, 0, size, "number of blocks");
+      std::string fault = recordFault(file, layout, 0, size, "number of blocks");
+      if (!fault.empty())
+      {
+        return fault;
+      }
       progress = Marker;
     }
     blocks = readInteger(file, marker, layout);
     if (blocks < 1 || blocks > std::numeric_limits<int>::max())
     {
-      throw Error("the number of blocks at offset " + std::to_string(marker) + " is " + std::to_string(blocks));
+      return "the number of blocks at offset " + std::to_string(marker) + " is " + std::to_string(blocks);
     }
     offset = size + 2 * marker;
   }
@@ -956,10 +1007,17 @@ void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
   {
     progress = std::max(progress, BlockCount);
   }
-  require(offset + bytes + 2 * marker);
+  if (offset + bytes + 2 * marker > file.size())
+  {
+    return tooShort(offset + bytes + 2 * marker);
+  }
   if (marker != 0)
   {
-    checkRecord(file, layout, offset, bytes, "points per direction");
+    std::string fault = recordFault(file, layout, offset, bytes, "points per direction");
+    if (!fault.empty())
+    {
+      return fault;
+    }
     progress = Marker;
   }
   const std::vector<Index> counts = readIntegers(file, offset + marker, 3 * blocks, layout);
@@ -973,18 +1031,18 @@ void readHeader(InputFile& file, Plot3DLayout& layout, Progress& progress)
     }
     if (!positive(layout.counts[b]))
     {
-      throw Error(blockName(b) + " has " + toString(layout.counts[b]) + " points (at offset " +
-        std::to_string(offset + marker + 3 * size * static_cast<Index>(b)) + ")");
+      return blockName(b) + " has " + toString(layout.counts[b]) + " points (at offset " +
+        std::to_string(offset + marker + 3 * size * static_cast<Index>(b)) + ")";
     }
   }
   // Without a number of blocks any three positive numbers would do.
   const bool absurd = !layout.multiBlock && pointCount(layout.counts) > 100 * file.size();
   progress = marker != 0 ? HeaderInMarkers : absurd ? Nothing : Header;
+  return {};
 }
 
-/// Checks that the blocks fill the file, for a complete layout.
-/// @throws Error with the reason, without the file's name.
-void checkBlocks(InputFile& file, const Plot3DLayout& layout)
+/// What is wrong if the blocks do not fill the file, for a complete layout; without the file's name.
+std::string blocksFault(InputFile& file, const Plot3DLayout& layout)
 {
   const Index marker = markerSize(layout);
   Index offset = headerSize(layout);
@@ -993,20 +1051,18 @@ void checkBlocks(InputFile& file, const Plot3DLayout& layout)
     const Index bytes = blockSize(layout, layout.counts[b]);
     if (bytes > file.size() - offset)
     {
-      throw Error(blockName(b) + " of " + toString(layout.counts[b]) + " points at offset " + std::to_string(offset) +
-        " needs " + number(bytes) + " bytes, " + std::to_string(file.size() - offset) + " are left");
+      return blockName(b) + " of " + toString(layout.counts[b]) + " points at offset " + std::to_string(offset) +
+        " needs " + number(bytes) + " bytes, " + std::to_string(file.size() - offset) + " are left";
     }
-    if (marker != 0)
+    if (marker != 0 && !isRecord(file, layout, offset, bytes))
     {
-      checkRecord(file, layout, offset, bytes, "coordinates of " + blockName(b));
+      return recordFault(file, layout, offset, bytes, "coordinates of " + blockName(b));
     }
     offset += bytes + 2 * marker;
   }
-  if (offset != file.size())
-  {
-    throw Error(
-      std::to_string(file.size() - offset) + " bytes follow the last block, from offset " + std::to_string(offset));
-  }
+  return offset == file.size()
+    ? std::string()
+    : std::to_string(file.size() - offset) + " bytes follow the last block, from offset " + std::to_string(offset);
 }
 
 /// Whether the first coordinates look like numbers that someone wrote: neither NaN nor of absurd size.
@@ -1048,7 +1104,7 @@ std::vector<Option> choices(Option given, std::vector<Option> all)
   return given == Option::Automatic ? all : std::vector<Option>{ given };
 }
 
-/// Calls visit(layout, progress, error or null) for every header that the options allow.
+/// Calls visit(layout, progress, what is wrong) for every header that the options allow.
 template <typename Visit>
 void forEachBinaryHeader(InputFile& file, const Plot3DOptions& options, const Visit& visit)
 {
@@ -1066,16 +1122,8 @@ void forEachBinaryHeader(InputFile& file, const Plot3DOptions& options, const Vi
         layout.multiBlock = kind % 2 == 0;
         layout.integerSize = kind < 2 ? 4 : 8;
         Progress progress = Nothing;
-        try
-        {
-          readHeader(file, layout, progress);
-        }
-        catch (const Error& error)
-        {
-          visit(layout, progress, &error);
-          continue;
-        }
-        visit(layout, progress, static_cast<const Error*>(nullptr));
+        const std::string fault = readHeader(file, layout, progress);
+        visit(layout, progress, fault);
       }
     }
   }
@@ -1095,16 +1143,9 @@ bool fillFile(
     {
       return false;
     }
-    if (marker != 0)
+    if (marker != 0 && !isRecord(file, layout, offset, bytes))
     {
-      try
-      {
-        checkRecord(file, layout, offset, bytes, "");
-      }
-      catch (const Error&)
-      {
-        return false;
-      }
+      return false;
     }
     offset += bytes + 2 * marker;
   }
@@ -1133,47 +1174,47 @@ std::string otherKindOfBinary(InputFile& file, bool records)
         {
           continue;
         }
-        try
+        if (layout.multiBlock && marker + size > file.size())
         {
-          const Index blocks = layout.multiBlock ? readInteger(file, marker, layout) : 1;
-          const Index offset = layout.multiBlock ? size + 2 * marker : 0;
-          if (blocks < 1 || blocks > file.size() / (size * kind.counts))
-          {
-            continue;
-          }
-          const Index bytes = size * kind.counts * blocks;
-          if (marker != 0)
-          {
-            checkRecord(file, layout, offset, bytes, "");
-          }
-          const std::vector<Index> header = readIntegers(file, offset + marker, kind.counts * blocks, layout);
-          std::vector<Index> lengths;
-          bool possible = std::all_of(header.begin(), header.end(), [](Index count) { return count >= 1; });
-          // Three planes look like three coordinates.
-          bool told = !kind.onlyInRecords;
-          for (std::size_t at = 2; at < header.size(); at += kind.counts)
-          {
-            told = told || header[at] != 3;
-          }
-          possible = possible && told;
-          for (auto at = header.begin(); possible && at != header.end(); at += kind.counts)
-          {
-            const std::vector<Index> own = kind.records({ at, at + kind.counts });
-            lengths.insert(lengths.end(), own.begin(), own.end());
-            possible = static_cast<Index>(lengths.size()) <= file.size() / 4;
-          }
-          const int dims = kind.counts == 2 ? 2 : 3;
-          for (const bool iblank : { false, true })
-          {
-            if (possible && fillFile(file, layout, offset + bytes + 2 * marker, lengths, iblank, dims))
-            {
-              return std::string("the file is ") + kind.text;
-            }
-          }
+          continue;
         }
-        catch (const Error&)
+        const Index blocks = layout.multiBlock ? readInteger(file, marker, layout) : 1;
+        const Index offset = layout.multiBlock ? size + 2 * marker : 0;
+        if (blocks < 1 || blocks > file.size() / (size * kind.counts))
         {
-          // Not this one.
+          continue;
+        }
+        const Index bytes = size * kind.counts * blocks;
+        if (offset + marker + bytes > file.size() || (marker != 0 && !isRecord(file, layout, offset, bytes)))
+        {
+          continue;
+        }
+        const std::vector<Index> header = readIntegers(file, offset + marker, kind.counts * blocks, layout);
+        std::vector<Index> lengths;
+        bool possible = std::all_of(header.begin(), header.end(), [](Index count) { return count >= 1; });
+        // Three planes look like three coordinates.
+        bool told = !kind.onlyInRecords;
+        for (std::size_t at = 2; at < header.size(); at += kind.counts)
+        {
+          told = told || header[at] != 3;
+        }
+        possible = possible && told;
+        for (auto at = header.begin(); possible && at != header.end(); at += kind.counts)
+        {
+          const std::vector<Index> counts(at, at + kind.counts);
+          // Each kind has a value of 4 bytes or more for each.
+          possible = product(counts, counts.size()) <= file.size() / 4;
+          const std::vector<Index> own = possible ? kind.records(counts) : std::vector<Index>();
+          lengths.insert(lengths.end(), own.begin(), own.end());
+          possible = possible && static_cast<Index>(lengths.size()) <= file.size() / 4;
+        }
+        const int dims = kind.counts == 2 ? 2 : 3;
+        for (const bool iblank : { false, true })
+        {
+          if (possible && fillFile(file, layout, offset + bytes + 2 * marker, lengths, iblank, dims))
+          {
+            return std::string("the file is ") + kind.text;
+          }
         }
       }
     }
@@ -1198,24 +1239,16 @@ std::optional<Plot3DLayout> joinedLayout(
       content.format = Plot3DFormat::Binary;
       content.byteOrder = order;
       std::optional<Plot3DLayout> found;
-      forEachBinaryHeader(file, content, [&](Plot3DLayout& layout, Progress, const Error* error) {
+      forEachBinaryHeader(file, content, [&](Plot3DLayout& layout, Progress, const std::string& fault) {
         for (const RealType real : choices(options.realType, { RealType::Float, RealType::Double }))
         {
           for (const IBlank iblank : choices(options.iblank, { IBlank::Absent, IBlank::Present }))
           {
             layout.realType = real;
             layout.iblank = iblank;
-            try
+            if (fault.empty() && !found && blocksFault(file, layout).empty() && believable(file, layout))
             {
-              if (!error && !found)
-              {
-                checkBlocks(file, layout);
-                found = believable(file, layout) ? layout : found;
-              }
-            }
-            catch (const Error&)
-            {
-              // Not this one.
+              found = layout;
             }
           }
         }
@@ -1239,10 +1272,10 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options, const E
     failures.push_back(
       { progress, layoutName(layout) + (layout.multiBlock ? "" : ", without a number of blocks") + ": " + text });
   };
-  forEachBinaryHeader(file, options, [&](Plot3DLayout& layout, Progress progress, const Error* error) {
-    if (error)
+  forEachBinaryHeader(file, options, [&](Plot3DLayout& layout, Progress progress, const std::string& fault) {
+    if (!fault.empty())
     {
-      fail(layout, progress, error->what());
+      fail(layout, progress, fault);
       return;
     }
     std::string reasons;
@@ -1252,15 +1285,15 @@ Plot3DLayout binaryLayout(InputFile& file, const Plot3DOptions& options, const E
       {
         layout.realType = real;
         layout.iblank = iblank;
-        try
+        const std::string reason = blocksFault(file, layout);
+        if (reason.empty())
         {
-          checkBlocks(file, layout);
           fitting.push_back(layout);
         }
-        catch (const Error& failure)
+        else
         {
           reasons += std::string(reasons.empty() ? "" : "; ") + (real == RealType::Float ? "float" : "double") +
-            (iblank == IBlank::Present ? " with" : " without") + " iblank: " + failure.what();
+            (iblank == IBlank::Present ? " with" : " without") + " iblank: " + reason;
         }
       }
     }
@@ -1445,7 +1478,7 @@ Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& opti
   InputFile file(fileName);
   refuseEncodings(file);
   const bool ascii = options.format == Plot3DFormat::Automatic ? isText(file) : options.format == Plot3DFormat::Ascii;
-  const Plot3DLayout layout = ascii ? asciiLayout(file, options) : binaryLayout(file, options, run);
+  const Plot3DLayout layout = ascii ? asciiLayout(file, options, run) : binaryLayout(file, options, run);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
   {
     const Ijk& counts = layout.counts[b];
@@ -1481,7 +1514,7 @@ bool looksLikePlot3D(const std::string& fileName)
       return false;
     }
     bool found = false;
-    forEachBinaryHeader(file, {}, [&](const Plot3DLayout& layout, Progress progress, const Error*) {
+    forEachBinaryHeader(file, {}, [&](const Plot3DLayout& layout, Progress progress, const std::string&) {
       found = found || progress >= Marker || (progress == Header && pointCount(layout.counts) <= file.size() / 3);
     });
     return found;

@@ -23,7 +23,8 @@ std::string readTextFile(const std::string& fileName, std::size_t most, const Ex
   const double size = static_cast<double>(std::filesystem::file_size(fileName, failure));
   requireMemory(failure ? 0.0 : std::min(size, static_cast<double>(most)), fileName, "its text");
   std::string text;
-  std::vector<char> part(std::size_t(1) << 20);
+  constexpr double LargestPart = 1 << 20;
+  std::vector<char> part(static_cast<std::size_t>(failure ? LargestPart : std::min(size + 1.0, LargestPart)));
   while (stream && text.size() < most)
   {
     stream.read(part.data(), static_cast<std::streamsize>(part.size()));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The conversion alone, from a block complex to control nets: six blocks around a sphere, whose wall is a body, with
 // eight extraordinary edges, points in double and in single precision; the same without the check of spans near special
-// rules; a curved box in blocks of 17^3 points, and the same in one block.
+// rules, and with double knots (exact G1); and a curved box in blocks of 17^3 points, and the same in one block.
 #include "BenchmarkSupport.h"
 #include "MeshSizes.h"
 
@@ -12,13 +12,20 @@ namespace
 
 struct Conversion
 {
-  Conversion(const bsv::BlockMesh& mesh)
+  Conversion(const bsv::BlockMesh& mesh, bsv::Continuity continuity = bsv::Continuity::SingleKnots)
     : complex(bsv::buildBlockComplex(mesh))
   {
     this->options.roles.assign(this->complex.boundaryNames.size(), bsv::BoundaryRole::Body);
-    for (const bsv::ComplexBlock& block : this->complex.blocks)
+    this->options.continuity = continuity;
+    const auto knots = bsv::conversionKnots(this->complex, this->options);
+    for (std::size_t b = 0; b < knots.size(); ++b)
     {
-      const bsv::Index size = bsv::Index(block.cells(0) + 3) * (block.cells(1) + 3) * (block.cells(2) + 3);
+      const bsv::ComplexBlock& block = this->complex.blocks[b];
+      bsv::Index size = 1;
+      for (int d = 0; d < 3; ++d)
+      {
+        size *= static_cast<bsv::Index>(knots[b][d].size()) - 4;
+      }
       this->points.emplace_back(3 * size);
       this->rules.emplace_back(size);
       this->nets.push_back({ this->points.back().data(), this->rules.back().data() });
@@ -56,18 +63,20 @@ struct SphereConversion
   : bsvbench::SphereCase
   , Conversion
 {
-  SphereConversion(bsv::Index points, bool isFloat)
+  SphereConversion(bsv::Index points, bool isFloat, bsv::Continuity continuity)
     : SphereCase(points, isFloat)
-    , Conversion(this->blocks)
+    , Conversion(this->blocks, continuity)
   {
   }
 };
 
-void conversion(benchmark::State& state, bool isFloat, bsv::CheckSpans check)
+void conversion(benchmark::State& state, bool isFloat, bsv::CheckSpans check,
+  bsv::Continuity continuity = bsv::Continuity::SingleKnots)
 {
   const bsv::Index points = bsvbench::pointsOf(state);
-  SphereConversion& work =
-    bsvbench::cached<SphereConversion>(2 * points + isFloat, [&] { return SphereConversion(points, isFloat); });
+  const bool exact = continuity == bsv::Continuity::ExactG1;
+  SphereConversion& work = bsvbench::cached<SphereConversion>(
+    4 * points + 2 * exact + isFloat, [&] { return SphereConversion(points, isFloat, continuity); });
   work.options.checkSpans = check;
   run(state, work);
 }
@@ -99,6 +108,8 @@ void doubleSizes(benchmark::internal::Benchmark* benchmark)
 }
 BENCHMARK_CAPTURE(conversion, double, false, bsv::CheckSpans::SpecialRules)->Apply(doubleSizes);
 BENCHMARK_CAPTURE(conversion, unchecked, false, bsv::CheckSpans::None)->Apply(doubleSizes);
+BENCHMARK_CAPTURE(conversion, exactG1, false, bsv::CheckSpans::SpecialRules, bsv::Continuity::ExactG1)
+  ->Apply(doubleSizes);
 
 void floatSizes(benchmark::internal::Benchmark* benchmark)
 {

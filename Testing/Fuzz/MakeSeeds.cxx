@@ -172,6 +172,14 @@ void quadflow()
   bsv::writeQuadflow(all, pathOf("Quadflow", "binary"), options);
 }
 
+void series()
+{
+  write("Series", "two",
+    "{\n\"file-series-version\": \"1.0\",\n\"files\": [\n{ \"name\": \"a.xyz\", \"time\": 0 },\n"
+    "{ \"name\": \"b\\u00fc.xyz\", \"time\": 1.5e0 }\n]\n}\n");
+  write("Series", "odd", "{\"files\":[{\"x\":\"\\ud83d\\ude00\\t\",\"name\":\"/a\"},{\"name\":\"b\",\"other\":true}]}");
+}
+
 void cgnsTree()
 {
 #ifdef BSV_WITH_CGNS
@@ -212,6 +220,7 @@ int main(int argumentCount, char** arguments)
   mfem();
   cadText();
   quadflow();
+  series();
   cgnsTree();
   return 0;
 }

@@ -61,5 +61,5 @@ echo "== $release: summary"
 grep -E "tests passed|Total Test time" "$folder/test.log" || true
 echo "compiler warnings: $(cat "$folder/convert.log" "$folder/test.log" | grep -c 'warning:' || true)"
 echo "CMake warnings: $(cat "$folder/convert.log" "$folder/test.log" | grep -c 'CMake .*Warning' || true)"
-echo "demo.qfmb without its comments: $(grep -av '^#' "$folder/BSplineVolume/output/demo/demo.qfmb" | sha256sum)"
+echo "demo.qfmb without its comments: $(grep -av '^#' "$folder/BSplineVolume/output/demo.qfmb" | sha256sum)"
 exit $status

@@ -15,7 +15,7 @@ import make_demo_mesh
 EXPECTED = {
     "mesh": "5fdd96dd75e2560a97d54df1bb7f9e7e5780fd2b96ede7d99128207edb23da10",
     "control points": "e4220b4aa81f4b3084d2b470a1ec1a50376032a9dcc49ce738f5f4aadd8bf8ec",
-    # grep -v '^#' output/demo/demo.qfmb | sha256sum
+    # grep -v '^#' output/demo.qfmb | sha256sum
     "demo.qfmb without its comments": "51a87b44f8ce6a9a94575f956ca58c385f3e78a29fa24975ef870429472366b3",
 }
 

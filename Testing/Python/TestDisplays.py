@@ -9,6 +9,7 @@ import math
 import os
 import random
 import sqlite3
+import subprocess
 import sys
 import tempfile
 import zlib
@@ -241,6 +242,29 @@ def test_volumes_of_files():
 
 def test_samples():
     assert shown(simple.BSplineVolumeSampler(Input=VOLUME)).Representation == "Wall And Curves"
+
+
+# Source by source as the arguments say: names of displays are definitions that ParaView merges when each is first made.
+IN_ORDER = """
+import os, sys
+from paraview import simple
+simple.LoadPlugin(os.environ["BSV_PLUGIN"], remote=False, ns=simple.__dict__)
+mesh = simple.HexBlockMeshReader(FileName=sys.argv[1])
+volume = simple.CatmullClarkToBSplineVolume(Input=mesh)
+sources = {"mesh": mesh, "volume": volume, "quality": simple.BSplineVolumeQuality(Input=volume),
+           "topology": simple.HexBlockTopology(Input=mesh)}
+for name in sys.argv[2:]:
+    print(name, simple.Show(sources[name], simple.CreateView("RenderView")).Representation)
+"""
+
+
+def test_any_display_may_be_first():
+    script = os.path.join(FOLDER.name, "in_order.py")
+    with open(script, "w") as file:
+        file.write(IN_ORDER)
+    for order in ["volume", "mesh", "topology"], ["quality", "topology", "volume", "mesh"]:
+        said = subprocess.run(["pvpython", script, str(MESH.FileName), *order], stdout=subprocess.PIPE, text=True, check=True)
+        assert said.stdout.splitlines() == [name + " 'Wall And Curves'" for name in order], said.stdout
 
 
 def test_mirrored():

@@ -169,6 +169,25 @@ def cells_of(data):
     return found
 
 
+def test_openfoam_folders():
+    """A folder holds one case; what lies beside the mesh and is not replaced is said."""
+    mesh = producer(collection([grid((2, 2, 2), lambda i, j, k: (i, j, float(k)))]))
+    with folder() as path:
+        first = os.path.join(path, "first.foam")
+        write(mesh, first)
+        points = os.path.join(path, "constant", "polyMesh", "points")
+        before = open(points, "rb").read()
+        larger = producer(collection([grid((3, 2, 2), lambda i, j, k: (i, j, float(k)))]))
+        error = write_error(larger, os.path.join(path, "second.foam"))
+        assert "'first.foam'" in error and "folder of its own" in error, error
+        assert open(points, "rb").read() == before and not os.path.exists(os.path.join(path, "second.foam"))
+        with open(os.path.join(os.path.dirname(points), "cellZones"), "w"):
+            pass
+        said = write(larger, first)
+        assert any("still holds 'cellZones'" in text for text in said), said
+        assert open(points, "rb").read() != before
+
+
 def test_openfoam():
     """A box of 8 blocks is the mesh of one block: every point and face once, every patch with its faces."""
     n = 4

@@ -75,6 +75,23 @@ def test_locate_is_the_inverse():
     assert (outside == -1).all() and np.isnan(nothing).all()
 
 
+def test_multiblock():
+    """The same blocks and names; and PyVista, where it is installed, takes them."""
+    volume = bsv.convert(wing())
+    for level in None, 0:
+        data = volume.to_vtk() if level is None else volume.sampled(level)
+        blocks = volume.to_multiblock(level)
+        assert blocks.GetNumberOfBlocks() == len(volume.blocks)
+        for n in range(blocks.GetNumberOfBlocks()):
+            assert blocks.GetBlock(n) is data.GetPartition(n, 0) or level is not None
+            assert blocks.GetBlock(n).GetBounds() == data.GetPartition(n, 0).GetBounds()
+            assert blocks.GetMetaData(n).Get(blocks.NAME()) == volume.blocks[n].name
+        with contextlib.suppress(ImportError):
+            import pyvista
+            wrapped = pyvista.wrap(blocks)
+            assert wrapped.n_blocks == len(volume.blocks) and tuple(wrapped.bounds) == tuple(blocks.GetBounds())
+
+
 def test_files_and_measures():
     volume = bsv.convert(wing())
     joins = volume.smoothness()
@@ -116,7 +133,7 @@ def test_report():
     table = text[text.index("<h2>Blocks"):text.index("<h2>Settings")]
     assert table.count("<tr>") == 1 + int(re.search(r"of (\d+)\)", table).group(1))
     pictures = re.findall(r"data:image/png;base64,([^']+)", text)
-    assert len(pictures) == 3 and all(len(picture) > 5000 for picture in pictures), [len(p) for p in pictures]
+    assert len(pictures) == 4 and all(len(picture) > 5000 for picture in pictures), [len(p) for p in pictures]
 
 
 def test_meshes_of_vtk():

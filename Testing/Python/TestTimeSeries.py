@@ -144,6 +144,9 @@ def test_wrong_lists():
                               ("nan.series", '{"files": [{"name": "a", "time": nan}]}', ["line 1", "'nan'"]),
                               ("self.series", '{"files": [{"name": "self.series"}]}', ["entry 0", "a list itself"]),
                               ("cut.series", '{"files": [{"name": "a', ["line 1", "should be"]),
+                              ("nul.series", '{"files": [\n{"name": "a\\u0000b"}]}', ["line 2", "no character"]),
+                              ("half.series", '{"files": [\n{"name": "a\\ud83d\\u0041"}]}', ["line 2", "no character"]),
+                              ("zero.series", '{"files": [\n{"name": "a\0b"}]}', ["line 2", "a byte of 0"]),
                               ("short.series", "a", ["names no files"]),
                               ("nested.series", '{"files": [{"name": "a", "time": [0]}]}', ["entry 0"])):
         with open(os.path.join(FOLDER.name, name), "w") as out:

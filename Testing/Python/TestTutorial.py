@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The Python of docs/tutorial.md and of the README runs as it stands, in the order of the page; its files and pictures exist."""
+"""The Python of docs/tutorial.md, docs/python.md and the README runs as it stands, in the order of the page; files and pictures
+that pages link to exist."""
 import os
 import re
 import sys
+import tempfile
 
+import bsplinevolume as bsv
 import paraview.simple  # noqa: F401  as the page has it
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -35,5 +38,20 @@ def check_links(path):
 for page in ["README.md", "CONTRIBUTING.md"] + [os.path.join("docs", name) for name in sorted(os.listdir(DOCS))]:
     if page.endswith(".md"):
         check_links(os.path.join(ROOT, page))
-run(os.path.join(DOCS, "tutorial.md"))
+for name in "tutorial.md", "python.md":
+    run(os.path.join(DOCS, name))
+# The README's reads wing.xyz and wing.igs, and takes the plugin from build/.
+with tempfile.TemporaryDirectory() as folder:
+    source = bsv.vtkWingFuselageSource()
+    source.SetResolution(3)
+    source.Update()
+    bsv.pipeline.write(os.path.join(folder, "wing.xyz"), None, lambda: source.GetOutputDataObject(0), {})
+    bsv.pipeline.write(os.path.join(folder, "wing.igs"), source.GetOutputDataObject(1), None, {})
+    plugin = os.path.dirname(os.path.abspath(os.environ["BSV_PLUGIN"]))
+    os.makedirs(os.path.join(folder, "build", "lib"))
+    os.symlink(plugin, os.path.join(folder, "build", "lib", "BSplineVolume"))
+    os.chdir(folder)
+    run(os.path.join(ROOT, "README.md"))
+    assert os.path.getsize("wing.qfmb") > 0
+    os.chdir(ROOT)
 sys.stdout.flush()

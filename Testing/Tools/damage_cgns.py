@@ -3,8 +3,8 @@
 
     pvpython damage_cgns.py PLUGIN.so MESH.cgns [cuts and flips per file] [library of CGNS]
 
-Of MESH.cgns, in ADF or HDF5, every node gets every data type in turn; then the file is cut and bits of it are flipped.
-Each read must end in a mesh or in one error of valid UTF-8, and leave no descriptor open.
+Of MESH.cgns, copied into ADF and into HDF5, every node gets every data type in turn; then the file is cut and bits of it
+are flipped. Each read must end in a mesh or in one error of valid UTF-8, and leave no descriptor and no process behind.
 """
 import ctypes
 import glob
@@ -50,6 +50,23 @@ def open_file(cgio, path):
     assert cgio("cgio_open_file", path.encode(), 2, 0, ctypes.byref(file)) == 0
     cgio("cgio_get_root_id", file, ctypes.byref(root))
     return file, root
+
+
+def copied(cgio, mesh, path, kind):
+    """The mesh in a file of another kind."""
+    file, output = ctypes.c_int(), ctypes.c_int()
+    assert cgio("cgio_open_file", mesh.encode(), 0, 0, ctypes.byref(file)) == 0
+    assert cgio("cgio_open_file", path.encode(), 1, kind, ctypes.byref(output)) == 0
+    assert cgio("cgio_copy_file", file, output, 0) == 0
+    cgio("cgio_close_file", file)
+    cgio("cgio_close_file", output)
+    return path
+
+
+def children():
+    """Processes of this one."""
+    with open("/proc/self/task/%d/children" % os.getpid()) as stream:
+        return stream.read().split()
 
 
 def node_variants(cgio, mesh, path):
@@ -99,7 +116,14 @@ def main():
     library = sys.argv[4] if len(sys.argv) > 4 else sorted(glob.glob("/usr/lib/*/libvtkcgns*.so*"))[0]
     simple.LoadPlugin(os.path.abspath(plugin), remote=False, ns=simple.__dict__)
     cgio = Library(library)
-    path = os.path.join(tempfile.mkdtemp(), "damaged.cgns")
+    folder = tempfile.mkdtemp()
+    for kind, name in ((1, "ADF"), (2, "HDF5")):
+        damage(cgio, copied(cgio, mesh, os.path.join(folder, name + ".cgns"), kind), name, count, folder)
+    shutil.rmtree(folder)
+
+
+def damage(cgio, mesh, name, count, folder):
+    path = os.path.join(folder, "damaged.cgns")
     texts = []
 
     def observe(_object, _event, text):
@@ -107,6 +131,7 @@ def main():
     observe.CallDataType = "string0"
 
     before = None
+    others = children()  # MPI's
     total = refused = stopped = 0
     worst = {}
     for label in variants(cgio, mesh, path, count):
@@ -118,6 +143,7 @@ def main():
         del texts[:]
         reader.UpdatePipeline()
         assert len(texts) <= 1, (label, texts)
+        assert texts or client.GetOutputDataObject(0).GetNumberOfPoints() > 0, label + ": nothing, and no error"
         total += 1
         refused += len(texts)
         if texts and "the library that reads it failed" in texts[0]:
@@ -126,9 +152,9 @@ def main():
         simple.Delete(reader)
         open_now = len(os.listdir("/proc/self/fd"))
         before = before or open_now
-        assert open_now <= before, label
+        assert open_now <= before and children() == others, label
     print("%s: %d damaged files, %d refused, %d of them ended the process that read them, %d read; descriptors: %d" %
-          (os.path.basename(mesh), total, refused, stopped, total - refused, before))
+          (name, total, refused, stopped, total - refused, before), flush=True)
     for text, label in worst.items():
         print("    %s (%s)" % (text, label))
 

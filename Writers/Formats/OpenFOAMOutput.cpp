@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <limits>
+#include <system_error>
 
 namespace bsv
 {
@@ -446,16 +448,76 @@ private:
   Index Inner = 0;
 };
 
+/// Files of the folder that the writer replaces.
+bool isWritten(const std::string& name)
+{
+  const char* const names[] = { "points", "faces", "owner", "neighbour", "boundary" };
+  return std::find(std::begin(names), std::end(names), name) != std::end(names);
+}
+
+/// Names of the files of a folder that `chosen` takes, sorted; none if the folder cannot be read.
+template <typename Chosen>
+std::vector<std::string> filesOf(const std::filesystem::path& folder, const Chosen& chosen)
+{
+  std::vector<std::string> names;
+  std::error_code failure;
+  for (std::filesystem::directory_iterator at(folder, failure), end; !failure && at != end; at.increment(failure))
+  {
+    const std::string name = at->path().filename().string();
+    if (chosen(at->path()))
+    {
+      names.push_back(name);
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// A case is a folder: a second file `.foam` in it would open the mesh of the one that was written last.
+/// @throws Error if there is another one, and a mesh
+void refuseAnotherCase(const std::filesystem::path& path, const std::string& folder)
+{
+  std::error_code failure;
+  if (!std::filesystem::exists(folder + "points", failure))
+  {
+    return;
+  }
+  const std::vector<std::string> others =
+    filesOf(std::filesystem::absolute(path, failure).parent_path(), [&](const std::filesystem::path& file) {
+      return file.extension() == ".foam" && file.filename() != path.filename();
+    });
+  if (!others.empty())
+  {
+    throw Error("'" + path.string() + "': the folder holds the case '" + others[0] +
+      "', whose mesh, constant/polyMesh, would be replaced; write to a folder of its own, or to '" + others[0] +
+      "' to replace it");
+  }
+}
+
 } // namespace
 
 void writeOpenFOAM(const MeshToWrite& mesh, FileGroup& files, const std::string& path, bool binary,
   const Execution& run, std::vector<std::string>& notes)
 {
   const std::string folder = (std::filesystem::path(path).parent_path() / "constant" / "polyMesh" / "").string();
-  std::error_code failure;
-  if (run.ranks->rank() == 0 && !std::filesystem::create_directories(folder, failure) && failure)
+  if (run.ranks->rank() == 0)
   {
-    throw FileError("Cannot create the folder '" + folder + "'", failure.value());
+    refuseAnotherCase(path, folder);
+    std::error_code failure;
+    if (!std::filesystem::create_directories(folder, failure) && failure)
+    {
+      throw FileError("Cannot create the folder '" + folder + "'", failure.value());
+    }
+    const std::vector<std::string> stale = filesOf(folder, [](const std::filesystem::path& file) {
+      const std::string name = file.filename().string();
+      return !isWritten(name) && name[0] != '.' && file.extension() != ".tmp";
+    });
+    if (!stale.empty())
+    {
+      notes.push_back("'" + folder + "' still holds '" + stale[0] + "'" +
+        (stale.size() > 1 ? " and " + std::to_string(stale.size() - 1) + " more" : "") +
+        ", which this writer does not replace; OpenFOAM may read that with the new mesh");
+    }
   }
   CaseWriter output(mesh, binary, run);
   output.write(files, folder);

@@ -71,11 +71,13 @@ void placeExtension(const ConversionContext& context, const LocalStars& stars, F
     for (int axis = 0; axis < 2; ++axis)
     {
       const int d = faceAxis(use.face, axis);
-      position[d] = st[axis] == 0 ? 0 : st[axis] == owner.cells(d) ? owner.cells(d) + 2 : innerPosition(st[axis]);
+      position[d] = st[axis] == 0    ? 0
+        : st[axis] == owner.cells(d) ? context.count(use.block, d) - 1
+                                     : context.innerPosition(use.block, d, st[axis]);
     }
     const int d = faceDirection(use.face);
     const auto point = [&](int fromEnd) {
-      position[d] = endPosition(faceSide(use.face), fromEnd, owner.cells(d));
+      position[d] = context.endPosition(use.block, d, faceSide(use.face), fromEnd);
       return Vec3(Eigen::Map<const Vec3>(context.nets[use.block].points + 3 * context.index(use.block, position)));
     };
     const Vec3 last = point(0);
@@ -87,44 +89,24 @@ void placeExtension(const ConversionContext& context, const LocalStars& stars, F
   }
 }
 
-RuleCounts countRules(const ConversionContext& context, int block, const std::array<bool, 3>& doubled)
+RuleCounts countRules(const ConversionContext& context, int block)
 {
-  if (context.options.continuity == Continuity::ExactG1)
-  {
-    Index count = 1;
-    for (int d = 0; d < 3; ++d)
-    {
-      count *= controlPointCount(context.complex.blocks[block].cells(d), doubled[d]);
-    }
-    RuleCounts all{};
-    for (Index i = 0; i < count; ++i)
-    {
-      ++all[context.nets[block].rules[i]];
-    }
-    return all;
-  }
-  const ComplexBlock& owner = context.complex.blocks[block];
-  const Ijk cells{ owner.cells(0), owner.cells(1), owner.cells(2) };
-  const auto inside = [&](int d, int i) { return i >= innerPosition(1) && i <= innerPosition(cells[d] - 1); };
   RuleCounts counts{};
-  // The interior is copied; only what lies around it is looked at.
   Index& copied = counts[static_cast<std::size_t>(ControlPointRule::Copied)];
-  copied = Index(cells[0] - 1) * (cells[1] - 1) * (cells[2] - 1);
-  for (int k = 0; k < cells[2] + 3; ++k)
+  const Ijk count{ context.count(block, 0), context.count(block, 1), context.count(block, 2) };
+  for (int k = 0; k < count[2]; ++k)
   {
-    for (int j = 0; j < cells[1] + 3; ++j)
+    for (int j = 0; j < count[1]; ++j)
     {
       const std::uint8_t* row = context.nets[block].rules + context.index(block, { 0, j, k });
-      const bool through = inside(2, k) && inside(1, j);
+      const std::array<int, 2> copies = context.copiesInRow(block, j, k);
+      copied += copies[1] - copies[0];
       // Mostly the same rule again: counted when another one comes.
       std::uint8_t rule = row[0];
       Index same = 0;
-      for (int i = 0; i < cells[0] + 3; ++i)
+      for (int i = 0; i < count[0]; ++i)
       {
-        if (through && i == innerPosition(1))
-        {
-          i = std::max(i, innerPosition(cells[0]));
-        }
+        i = i == copies[0] ? copies[1] : i;
         if (row[i] != rule)
         {
           counts[rule] += same;
@@ -334,16 +316,13 @@ Index convertAll(const ConversionContext& context, const LocalStars& stars, cons
 void countAll(const ConversionContext& context, Index singularNodes, const Execution& run, ConversionReport& report)
 {
   std::vector<RuleCounts> counts(context.options.wallOnly ? 0 : context.complex.blocks.size());
-  const std::vector<std::array<bool, 3>> doubled = context.options.continuity == Continuity::ExactG1
-    ? doubleKnotDirections(context.complex, context.options)
-    : std::vector<std::array<bool, 3>>(counts.size());
   run.report(0.95);
   run.parallelFor(static_cast<Index>(counts.size()), 1, [&](Index begin, Index end) {
     for (int block = static_cast<int>(begin); block < end; ++block)
     {
       if (context.isHere(block))
       {
-        counts[block] = countRules(context, block, doubled[block]);
+        counts[block] = countRules(context, block);
       }
     }
   });
@@ -374,7 +353,7 @@ void countAll(const ConversionContext& context, Index singularNodes, const Execu
 std::vector<std::array<std::vector<double>, 3>> conversionKnots(
   const BlockComplex& complex, const ConversionOptions& options)
 {
-  std::vector<std::array<bool, 3>> doubled(complex.blocks.size(), std::array<bool, 3>{ false, false, false });
+  DoubledDirections doubled(complex.blocks.size(), std::array<bool, 3>{ false, false, false });
   if (options.continuity == Continuity::ExactG1)
   {
     doubled = doubleKnotDirections(complex, options);
@@ -431,21 +410,28 @@ ConversionReport convertToBSplineVolume(const BlockComplex& complex, const Conve
   // The layer rule must not see corrections.
   const LayerCorrections none;
   const LayerCorrections corrections = bodyCorrections(contextWith(none), *run.ranks);
-  const ConversionContext context = contextWith(corrections);
+  const ConversionContext withSingleKnots = contextWith(corrections);
+  ConversionContext context = withSingleKnots;
+  const bool exact = options.continuity == Continuity::ExactG1;
+  const DoubledDirections doubled = exact ? doubleKnotDirections(stars.complex(), options) : DoubledDirections{};
+  context.doubled = exact ? &doubled : nullptr;
   if (!options.wallOnly)
   {
     placeExtension(context, stars, layer, run);
   }
   ConversionReport report;
-  Index singularNodes = 0;
-  const auto convert = [&] {
-    singularNodes = convertAll(context, stars, run);
-    return options.wallOnly ? SpanReport{} : checkSpans(context, run);
-  };
-  report.spans = convert();
-  if (options.continuity == Continuity::ExactG1)
+  Index singularNodes = convertAll(context, stars, run);
+  if (exact)
   {
+    const auto convert = [&] {
+      singularNodes = convertAll(withSingleKnots, stars, run);
+      return checkSpans(withSingleKnots, run);
+    };
     report.g1 = joinAndCheck(context, convert, report.spans, run);
+  }
+  else if (!options.wallOnly)
+  {
+    report.spans = checkSpans(context, run);
   }
   report.planarFaces = rules.planarFaces;
   report.notes = rules.notes;

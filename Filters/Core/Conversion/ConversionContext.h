@@ -15,30 +15,19 @@
 
 #include "Conversion/Conversion.h"
 #include "Conversion/CreaseColumns.h"
+#include "Conversion/DoubleKnots.h"
 #include "Conversion/EntityRules.h"
 #include "Conversion/FirstLayer.h"
 #include "Conversion/LayerRules.h"
 #include "Conversion/MovedPoints.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <vector>
 
 namespace bsv
 {
-
-/// @name Positions in the control net of a direction with `cells` mesh cells
-/// From either end 0, 1, .. are the end point and the inserted point; mesh points keep their order between them.
-///@{
-constexpr int endPosition(int side, int fromEnd, int cells)
-{
-  return side == 0 ? fromEnd : cells + 2 - fromEnd;
-}
-constexpr int innerPosition(int meshIndex)
-{
-  return meshIndex + 1;
-}
-///@}
 
 /// Per vertex of the body: ConversionOptions::projectedPoints and surfaceNormals.
 struct GivenFeet
@@ -72,6 +61,8 @@ struct ConversionContext
   const LayerCorrections& corrections;
   /// If not null, what the rules read in place of the mesh points; all decisions are those of the mesh.
   const MovedPoints* moved = nullptr;
+  /// If not null, the nets have room for double knots (DoubleKnots.h).
+  const DoubledDirections* doubled = nullptr;
 
   bool isHere(int block) const { return this->complex.blocks[block].rank == this->rank; }
   bool isWall(int face) const
@@ -83,11 +74,29 @@ struct ConversionContext
     const Vec3 x = this->complex.blocks[block].points(ijk);
     return this->moved ? this->moved->at(block, ijk, x) : x;
   }
+
+  /// @name Positions in the control net of a block
+  /// From either end of a direction 0, 1, .. are the end point and the inserted point; mesh points keep their order
+  /// between them.
+  ///@{
+  bool isDoubled(int block, int d) const { return this->doubled && (*this->doubled)[block][d]; }
+  int count(int block, int d) const
+  {
+    return controlPointCount(this->complex.blocks[block].cells(d), this->isDoubled(block, d));
+  }
+  int endPosition(int block, int d, int side, int fromEnd) const
+  {
+    return side == 0 ? fromEnd : this->count(block, d) - 1 - fromEnd;
+  }
+  int innerPosition(int block, int d, int meshIndex) const { return meshIndex + (this->isDoubled(block, d) ? 2 : 1); }
   Index index(int block, const Ijk& position) const
   {
-    const ComplexBlock& owner = this->complex.blocks[block];
-    return position[0] + Index(owner.cells(0) + 3) * (position[1] + Index(owner.cells(1) + 3) * position[2]);
+    return position[0] + Index(this->count(block, 0)) * (position[1] + Index(this->count(block, 1)) * position[2]);
   }
+  /// In the row (j, k) of a net, first and end of the points that are copies of mesh points for sure.
+  std::array<int, 2> copiesInRow(int block, int j, int k) const;
+  ///@}
+
   void write(int block, const Ijk& position, const Vec3& point, ControlPointRule rule) const
   {
     if (!this->isHere(block))
@@ -99,6 +108,20 @@ struct ConversionContext
     this->nets[block].rules[i] = static_cast<std::uint8_t>(rule);
   }
 };
+
+inline std::array<int, 2> ConversionContext::copiesInRow(int block, int j, int k) const
+{
+  // Rules write to the first two points from an end; with double knots joins write to the first `JoinReach` + 1 in two
+  // directions.
+  const auto isInside = [&](int d, int position, int from) {
+    return position >= from && position < this->count(block, d) - from;
+  };
+  const bool any = this->isDoubled(block, 0) || this->isDoubled(block, 1) || this->isDoubled(block, 2);
+  constexpr int Beyond = JoinReach + 1;
+  const bool row = isInside(1, j, 2) && isInside(2, k, 2) && (!any || isInside(1, j, Beyond) || isInside(2, k, Beyond));
+  const int first = any ? Beyond : 2;
+  return { first, row ? std::max(first, this->count(block, 0) - first) : first };
+}
 
 /// Rule of inserted points off a connection layer, or else off a wall.
 inline ControlPointRule layerRule(bool connection)

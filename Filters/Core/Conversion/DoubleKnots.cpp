@@ -10,6 +10,10 @@
 #include <algorithm>
 #include <cstring>
 
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
+
 namespace bsv
 {
 namespace
@@ -31,7 +35,7 @@ KnotInsertionStencil stencil(int first, std::initializer_list<double> weights, d
 
 } // namespace
 
-std::vector<std::array<bool, 3>> doubleKnotDirections(const BlockComplex& complex, const ConversionOptions& options)
+DoubledDirections doubleKnotDirections(const BlockComplex& complex, const ConversionOptions& options)
 {
   UnionFind classes(complex.edges.size());
   for (const ComplexFace& face : complex.faces)
@@ -89,7 +93,7 @@ std::vector<std::array<bool, 3>> doubleKnotDirections(const BlockComplex& comple
     }
   }
 
-  std::vector<std::array<bool, 3>> directions(complex.blocks.size(), std::array<bool, 3>{ false, false, false });
+  DoubledDirections directions(complex.blocks.size(), std::array<bool, 3>{ false, false, false });
   for (std::size_t b = 0; b < complex.blocks.size(); ++b)
   {
     for (int e = 0; e < 12; ++e)
@@ -98,11 +102,6 @@ std::vector<std::array<bool, 3>> doubleKnotDirections(const BlockComplex& comple
     }
   }
   return directions;
-}
-
-int controlPointCount(int cells, bool doubled)
-{
-  return !doubled ? cells + 3 : cells == 1 ? 8 : cells == 2 ? 9 : cells + 5;
 }
 
 std::vector<double> volumeKnots(int cells, bool doubled)
@@ -178,87 +177,194 @@ std::vector<KnotInsertionStencil> knotInsertion(int cells, bool doubled)
   return stencils;
 }
 
+namespace
+{
+
+/// Where a net with room for double knots has the old point i.
+int placeWithRoom(int i, int cells, bool doubled)
+{
+  return !doubled || i < 2 ? i : i <= cells ? i + 1 : i + controlPointCount(cells, true) - (cells + 3);
+}
+
+/// New points of a direction: a run of copies, or all that are not.
+struct NewPoints
+{
+  bool copies;
+  std::vector<int> places;
+};
+
+std::vector<NewPoints> copiesAndOthers(const std::vector<KnotInsertionStencil>& stencils)
+{
+  std::vector<NewPoints> list{ { false, {} } };
+  for (std::size_t i = 0; i < stencils.size(); ++i)
+  {
+    const bool copies = stencils[i].copies();
+    if (copies && (i == 0 || !stencils[i - 1].copies()))
+    {
+      list.push_back({ true, {} });
+    }
+    (copies ? list.back() : list.front()).places.push_back(static_cast<int>(i));
+  }
+  return list;
+}
+
+/// One new point, from old ones at places relative to each other.
+struct InsertedPoint
+{
+  struct Term
+  {
+    Index place;
+    double weight;
+  };
+  Index place = 0, nearest = 0;
+  std::vector<Term> terms;
+  double denominator = 1.0;
+
+  void evaluate(const double* points, OrderFreeSum& sum, double* to) const
+  {
+    if (this->terms.size() == 2)
+    {
+      const double *a = points + 3 * this->terms[0].place, *b = points + 3 * this->terms[1].place;
+      for (int d = 0; d < 3; ++d)
+      {
+        to[d] = a[d] == b[d] ? a[d] : (this->terms[0].weight * a[d] + this->terms[1].weight * b[d]) / this->denominator;
+      }
+      return;
+    }
+    sum.clear();
+    for (const Term& term : this->terms)
+    {
+      sum.add(term.weight, Vec3(points + 3 * term.place));
+    }
+    const Vec3 point = sum.result(this->denominator);
+    std::copy_n(point.data(), 3, to);
+  }
+};
+
+} // namespace
+
+void makeRoom(const Ijk& cells, const std::array<bool, 3>& doubled, const ControlNetStorage& storage)
+{
+  const auto place = [&](int d, int i) { return placeWithRoom(i, cells[d], doubled[d]); };
+  const auto count = [&](int d) { return Index(controlPointCount(cells[d], doubled[d])); };
+  // From the last point to the first: none moves to a smaller place.
+  for (int k = cells[2] + 2; k >= 0; --k)
+  {
+    for (int j = cells[1] + 2; j >= 0; --j)
+    {
+      const Index from = Index(cells[0] + 3) * (j + Index(cells[1] + 3) * k);
+      const Index to = count(0) * (place(1, j) + count(1) * place(2, k));
+      const auto move = [&](int first, int end) {
+        std::memmove(
+          storage.points + 3 * (to + place(0, first)), storage.points + 3 * (from + first), 24 * (end - first));
+        std::memmove(storage.rules + to + place(0, first), storage.rules + from + first, end - first);
+      };
+      move(cells[0] + 1, cells[0] + 3);
+      move(2, cells[0] + 1);
+      move(0, 2);
+    }
+  }
+}
+
 void insertDoubleKnots(const Ijk& cells, const std::array<bool, 3>& doubled, const ControlNetStorage& storage)
 {
-  if (!doubled[0] && !doubled[1] && !doubled[2])
-  {
-    return;
-  }
   std::array<std::vector<KnotInsertionStencil>, 3> stencils;
-  std::array<Index, 3> stride{ 1, 0, 0 };
+  std::array<std::vector<NewPoints>, 3> parts;
+  std::array<Index, 4> stride{ 1, 0, 0, 0 };
   for (int d = 0; d < 3; ++d)
   {
     stencils[d] = knotInsertion(cells[d], doubled[d]);
+    parts[d] = copiesAndOthers(stencils[d]);
+    stride[d + 1] = stride[d] * static_cast<Index>(stencils[d].size());
   }
-  stride[1] = cells[0] + 3;
-  stride[2] = stride[1] * (cells[1] + 3);
-  const int ni = static_cast<int>(stencils[0].size());
-  const int nj = static_cast<int>(stencils[1].size());
-  const int nk = static_cast<int>(stencils[2].size());
-  OrderFreeSum sum;
-  // From the last point to the first: an old point lies at no larger place than each new one that needs it.
-  for (int k = nk - 1; k >= 0; --k)
-  {
-    for (int j = nj - 1; j >= 0; --j)
+  const auto place = [&](int d, int i) { return stride[d] * placeWithRoom(i, cells[d], doubled[d]); };
+  const auto insert = [&](const std::array<const NewPoints*, 3>& box) {
+    // The new points of all directions that are not copied, relative to the copied ones.
+    std::array<int, 3> count, copies;
+    for (int d = 0; d < 3; ++d)
     {
-      const KnotInsertionStencil& alongJ = stencils[1][j];
-      const KnotInsertionStencil& alongK = stencils[2][k];
-      const bool rowCopies = alongJ.copies() && alongK.copies();
-      const Index row = Index(ni) * (j + Index(nj) * k);
-      const Index nearestRow = stride[1] * alongJ.nearest + stride[2] * alongK.nearest;
-      for (int i = ni - 1; i >= 0; --i)
+      const int size = static_cast<int>(box[d]->places.size());
+      count[d] = box[d]->copies ? 1 : size;
+      copies[d] = box[d]->copies ? size : 1;
+    }
+    std::vector<InsertedPoint> points;
+    for (int n = 0; n < count[0] * count[1] * count[2]; ++n)
+    {
+      const Ijk at{ n % count[0], n / count[0] % count[1], n / count[0] / count[1] };
+      InsertedPoint point;
+      point.terms = { { 0, 1.0 } };
+      for (int d = 0; d < 3; ++d)
       {
-        const KnotInsertionStencil& alongI = stencils[0][i];
-        const std::uint8_t rule = storage.rules[nearestRow + alongI.nearest];
-        double* to = storage.points + 3 * (row + i);
-        const int wide = (alongI.copies() ? 0 : 1) + (alongJ.copies() ? 0 : 1) + (alongK.copies() ? 0 : 1);
-        const KnotInsertionStencil& only = !alongI.copies() ? alongI : !alongJ.copies() ? alongJ : alongK;
-        const Index first = alongI.first + stride[1] * alongJ.first + stride[2] * alongK.first;
-        if (rowCopies && wide == 0)
+        const int i = box[d]->places[at[d]];
+        const KnotInsertionStencil& stencil = stencils[d][i];
+        std::vector<InsertedPoint::Term> terms;
+        for (int a = 0; a < stencil.terms; ++a)
         {
-          // A run of copies at once.
-          int start = i;
-          while (start > 0 && stencils[0][start - 1].copies() &&
-            stencils[0][start - 1].first == stencils[0][start].first - 1)
+          for (const InsertedPoint::Term& term : point.terms)
           {
-            --start;
+            terms.push_back({ term.place + place(d, stencil.first + a), term.weight * stencil.weights[a] });
           }
-          const Index from = first - (i - start);
-          std::memmove(storage.points + 3 * (row + start), storage.points + 3 * from, 24 * (i - start + 1));
-          std::memmove(storage.rules + row + start, storage.rules + from, i - start + 1);
-          i = start;
-          continue;
         }
-        if (wide == 1 && only.terms == 2)
+        point.terms = std::move(terms);
+        point.denominator *= stencil.denominator;
+        point.place += stride[d] * i;
+        point.nearest += place(d, stencil.nearest);
+      }
+      points.push_back(std::move(point));
+    }
+    std::vector<double> values(3 * points.size());
+    std::vector<std::uint8_t> rules(points.size());
+    OrderFreeSum sum;
+    for (int k = 0; k < copies[2]; ++k)
+    {
+      for (int j = 0; j < copies[1]; ++j)
+      {
+        for (int i = 0; i < copies[0]; ++i)
         {
-          const Index step = !alongI.copies() ? stride[0] : !alongJ.copies() ? stride[1] : stride[2];
-          const double* a = storage.points + 3 * first;
-          const double* b = storage.points + 3 * (first + step);
-          double point[3];
-          for (int d = 0; d < 3; ++d)
+          const Index start = i + stride[1] * j + stride[2] * k;
+#ifdef __SSE2__
+          // Points that lie in rows far apart are not read ahead by the processor itself.
+          constexpr Index Ahead = 8;
+          for (std::size_t n = 0; copies[0] == 1 && j + Ahead < copies[1] && n < points.size(); ++n)
           {
-            point[d] = a[d] == b[d] ? a[d] : (only.weights[0] * a[d] + only.weights[1] * b[d]) / only.denominator;
+            _mm_prefetch(
+              reinterpret_cast<const char*>(storage.points + 3 * (start + Ahead * stride[1] + points[n].place)),
+              _MM_HINT_T0);
           }
-          std::copy_n(point, 3, to);
-        }
-        else
-        {
-          sum.clear();
-          for (int c = 0; c < alongK.terms; ++c)
+#endif
+          for (std::size_t n = 0; n < points.size(); ++n)
           {
-            for (int b = 0; b < alongJ.terms; ++b)
+            points[n].evaluate(storage.points + 3 * start, sum, values.data() + 3 * n);
+            rules[n] = storage.rules[start + points[n].nearest];
+          }
+          for (std::size_t n = 0; n < points.size(); ++n)
+          {
+            double* to = storage.points + 3 * (start + points[n].place);
+            for (int d = 0; d < 3; ++d)
             {
-              for (int a = 0; a < alongI.terms; ++a)
-              {
-                sum.add(alongI.weights[a] * alongJ.weights[b] * alongK.weights[c],
-                  Vec3(Eigen::Map<const Vec3>(storage.points + 3 * (first + a + stride[1] * b + stride[2] * c))));
-              }
+              to[d] = values[3 * n + d];
             }
+            storage.rules[start + points[n].place] = rules[n];
           }
-          const Vec3 point = sum.result(alongI.denominator * alongJ.denominator * alongK.denominator);
-          std::copy_n(point.data(), 3, to);
         }
-        storage.rules[row + i] = rule;
+      }
+    }
+  };
+  // An old point that is overwritten where fewer directions are inserted is needed where more are, but not the other
+  // way round.
+  for (int wide = 3; wide > 0; --wide)
+  {
+    for (const NewPoints& alongK : parts[2])
+    {
+      for (const NewPoints& alongJ : parts[1])
+      {
+        for (const NewPoints& alongI : parts[0])
+        {
+          if ((alongI.copies ? 0 : 1) + (alongJ.copies ? 0 : 1) + (alongK.copies ? 0 : 1) == wide)
+          {
+            insert({ &alongI, &alongJ, &alongK });
+          }
+        }
       }
     }
   }

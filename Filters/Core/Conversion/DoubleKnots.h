@@ -17,12 +17,21 @@
 namespace bsv
 {
 
+/// Per block and direction.
+using DoubledDirections = std::vector<std::array<bool, 3>>;
+
+/// Joins change control points of at most this index, from two ends of directions (G1Joins.h).
+constexpr int JoinReach = 4;
+
 /// Per block and direction, whether its class has double knots. Decided by the topology and the boundaries' roles
 /// alone, the same on all ranks.
-std::vector<std::array<bool, 3>> doubleKnotDirections(const BlockComplex& complex, const ConversionOptions& options);
+DoubledDirections doubleKnotDirections(const BlockComplex& complex, const ConversionOptions& options);
 
 /// Control points of a direction of `cells` cells, and its knots.
-int controlPointCount(int cells, bool doubled);
+inline int controlPointCount(int cells, bool doubled)
+{
+  return !doubled ? cells + 3 : cells == 1 ? 8 : cells == 2 ? 9 : cells + 5;
+}
 std::vector<double> volumeKnots(int cells, bool doubled);
 
 /// One new control point of a direction with double knots: (sum of weights[i] b_(first + i)) / denominator.
@@ -39,8 +48,13 @@ struct KnotInsertionStencil
 };
 std::vector<KnotInsertionStencil> knotInsertion(int cells, bool doubled);
 
-/// Inserts the double knots into a net of (I+3)(J+3)(K+3) points and rules, in place: `storage` has room for the larger
-/// net. Shared points get the same bits in all blocks.
+/// Before the knots are inserted, nets are made with room for them. Where a direction is doubled, b0, b1 and the last
+/// two points are at its ends and b_i at i + 1: most points are where they stay.
+///@{
+/// Moves a net of (I+3)(J+3)(K+3) points and rules, at the start of `storage`, there.
+void makeRoom(const Ijk& cells, const std::array<bool, 3>& doubled, const ControlNetStorage& storage);
+/// Inserts the double knots into a net with room for them. Shared points get the same bits in all blocks.
 void insertDoubleKnots(const Ijk& cells, const std::array<bool, 3>& doubled, const ControlNetStorage& storage);
+///@}
 
 } // namespace bsv

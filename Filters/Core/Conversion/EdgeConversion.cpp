@@ -190,12 +190,13 @@ namespace
 {
 
 /// Control point of a sector's block in layer k, `a` from the end along the first spoke and `b` along the second.
-Ijk controlPosition(const ComplexBlock& owner, const FanSector& sector, int k, int a, int b)
+Ijk controlPosition(const ConversionContext& context, const FanSector& sector, int k, int a, int b)
 {
+  const int cells = context.complex.blocks[sector.block].cells(sector.along);
   Ijk ijk;
-  ijk[sector.along] = innerPosition(sector.reversed ? owner.cells(sector.along) - k : k);
-  ijk[sector.first] = endPosition(sector.side(sector.first), a, owner.cells(sector.first));
-  ijk[sector.second] = endPosition(sector.side(sector.second), b, owner.cells(sector.second));
+  ijk[sector.along] = context.innerPosition(sector.block, sector.along, sector.reversed ? cells - k : k);
+  ijk[sector.first] = context.endPosition(sector.block, sector.first, sector.side(sector.first), a);
+  ijk[sector.second] = context.endPosition(sector.block, sector.second, sector.side(sector.second), b);
   return ijk;
 }
 
@@ -263,11 +264,10 @@ void convertRegularLayers(const ConversionContext& context, int edge, const Edge
       {
         continue;
       }
-      const ComplexBlock& owner = context.complex.blocks[sector.block];
       const ControlNetStorage& net = context.nets[sector.block];
       const auto write = [&](int a, int b, int from) {
-        const Index start = context.index(sector.block, controlPosition(owner, sector, first, a, b));
-        const Index step = context.index(sector.block, controlPosition(owner, sector, first + 1, a, b)) - start;
+        const Index start = context.index(sector.block, controlPosition(context, sector, first, a, b));
+        const Index step = context.index(sector.block, controlPosition(context, sector, first + 1, a, b)) - start;
         for (int k = 0; k < count; ++k)
         {
           std::copy_n(values[from][k].data(), 3, net.points + 3 * (start + k * step));
@@ -325,10 +325,9 @@ void convertEdgeLayers(const ConversionContext& context, int edge, int begin, in
       for (int i = 0; i < static_cast<int>(fan.sectors.size()); ++i)
       {
         const FanSector& sector = fan.sectors[i];
-        const ComplexBlock& owner = context.complex.blocks[sector.block];
         const int next = (i + 1) % fan.spokeCount();
         const auto put = [&](int a, int b, const Vec3& point, ControlPointRule rule) {
-          context.write(sector.block, controlPosition(owner, sector, k, a, b), point, rule);
+          context.write(sector.block, controlPosition(context, sector, k, a, b), point, rule);
         };
         put(0, 0, values.center, keepsAny ? ControlPointRule::Crease : edgeRule.rule);
         put(1, 0, values.spokes[i], spokeRule(i));

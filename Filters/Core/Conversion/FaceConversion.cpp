@@ -69,7 +69,9 @@ void convertBlock(const ConversionContext& context, int block, int slab, bool st
   const int ni = owner.cells(0), nj = owner.cells(1);
   for (int j = 1; j < nj && ni > 1; ++j)
   {
-    const Index start = context.index(block, { innerPosition(1), innerPosition(j), innerPosition(slab) });
+    const Index start = context.index(block,
+      { context.innerPosition(block, 0, 1), context.innerPosition(block, 1, j),
+        context.innerPosition(block, 2, slab) });
     double* target = context.nets[block].points + 3 * start;
     owner.points.forRuns(1, ni - 1, j, slab, [&](const auto* source, Index count) {
       if (stream)
@@ -190,9 +192,9 @@ std::vector<Side> sidesOf(const ConversionContext& context, int face)
     });
     const Plane control = plane([&](int s, int t, int fromEnd) {
       Ijk ijk;
-      ijk[axes[0]] = innerPosition(s);
-      ijk[axes[1]] = innerPosition(t);
-      ijk[normal] = endPosition(faceSide(use.face), fromEnd, cells[normal]);
+      ijk[axes[0]] = context.innerPosition(use.block, axes[0], s);
+      ijk[axes[1]] = context.innerPosition(use.block, axes[1], t);
+      ijk[normal] = context.endPosition(use.block, normal, faceSide(use.face), fromEnd);
       return context.index(use.block, ijk);
     });
     sides.push_back({ &owner.points, &context.nets[use.block], context.isHere(use.block), use, mesh, control,

@@ -64,34 +64,20 @@ struct Shift
 class Joiner
 {
 public:
-  Joiner(const BlockComplex& complex, const EntityRules& rules, const FaceKeeps& keeps,
-    const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const std::vector<JoinedSpan>& avoid,
-    bool joinNothing, const Execution& run)
-    : Complex(complex)
-    , Rules(rules)
-    , Keeps(keeps)
-    , Options(options)
-    , Nets(nets)
+  Joiner(const ConversionContext& context, const std::vector<JoinedSpan>& avoid, bool joinNothing, const Execution& run)
+    : Context(context)
+    , Complex(context.complex)
+    , Rules(context.rules)
+    , Options(context.options)
     , Avoid(avoid)
     , JoinNothing(joinNothing)
     , Run(run)
-    , Doubled(doubleKnotDirections(complex, options))
-    , FanOfEdge(complex.edges.size(), -1)
+    , FanOfEdge(context.complex.edges.size(), -1)
   {
   }
 
   G1Report join()
   {
-    this->Run.parallelFor(static_cast<Index>(this->Complex.blocks.size()), 1, [&](Index begin, Index end) {
-      for (Index b = begin; b < end; ++b)
-      {
-        const ComplexBlock& block = this->Complex.blocks[b];
-        if (this->isHere(static_cast<int>(b)))
-        {
-          insertDoubleKnots({ block.cells(0), block.cells(1), block.cells(2) }, this->Doubled[b], this->Nets[b]);
-        }
-      }
-    });
     this->findFans();
     this->giveUp();
     for (const NetFan& fan : this->Fans)
@@ -151,15 +137,9 @@ public:
   }
 
 private:
-  bool isHere(int block) const { return this->Complex.blocks[block].rank == this->Run.ranks->rank(); }
-  int count(int block, int d) const
-  {
-    return controlPointCount(this->Complex.blocks[block].cells(d), this->Doubled[block][d]);
-  }
-  bool isWall(int face) const
-  {
-    return this->Complex.faces[face].boundary() && this->Rules.faces[face].role == BoundaryRole::Body;
-  }
+  bool isHere(int block) const { return this->Context.isHere(block); }
+  int count(int block, int d) const { return this->Context.count(block, d); }
+  bool isWall(int face) const { return this->Context.isWall(face); }
   static SpokeKind kindOf(int cells) { return static_cast<SpokeKind>(std::min(cells, 3)); }
 
   Ijk place(const NetSector& sector, int layer, int i, int j) const
@@ -172,13 +152,10 @@ private:
     at(sector.second, sector.secondFromEnd, j);
     return position;
   }
-  Index index(int block, const Ijk& position) const
-  {
-    return position[0] + Index(this->count(block, 0)) * (position[1] + Index(this->count(block, 1)) * position[2]);
-  }
+  Index index(int block, const Ijk& position) const { return this->Context.index(block, position); }
   Eigen::Map<Vec3> point(int block, const Ijk& position) const
   {
-    return Eigen::Map<Vec3>(this->Nets[block].points + 3 * this->index(block, position));
+    return Eigen::Map<Vec3>(this->Context.nets[block].points + 3 * this->index(block, position));
   }
 
   /// The block's edge that runs along a spoke of the sector at the first (or last) layer.
@@ -529,17 +506,16 @@ private:
     this->Layers = this->gatherSectors(all, [&](int f, int k) {
       const NetFan& fan = this->Fans[f];
       const NetSector& sector = fan.sectors[k];
-      std::vector<double> list;
-      list.reserve(LayerSize * fan.layers);
+      std::vector<double> list(LayerSize * fan.layers);
+      double* to = list.data();
       for (int layer = 0; layer < fan.layers; ++layer)
       {
-        list.push_back(this->keeps(fan, sector, layer) ? 1.0 : 0.0);
+        *to++ = this->keeps(fan, sector, layer) ? 1.0 : 0.0;
         for (int j = 0; j <= Reach; ++j)
         {
-          for (int i = 0; i <= Reach; ++i)
+          for (int i = 0; i <= Reach; ++i, to += 3)
           {
-            const Vec3 x = this->point(sector.block, this->place(sector, layer, i, j));
-            list.insert(list.end(), x.data(), x.data() + 3);
+            Eigen::Map<Vec3>{ to } = this->point(sector.block, this->place(sector, layer, i, j));
           }
         }
       }
@@ -562,13 +538,13 @@ private:
       // The face spanned by the edge and the spoke.
       const int normal = second ? sector.first : sector.second;
       const int face = 2 * normal + ((second ? sector.firstFromEnd : sector.secondFromEnd) ? 1 : 0);
-      const std::vector<double>& keep = this->Keeps[block.faces[face]];
+      const std::vector<double>& keep = this->Context.keeps[block.faces[face]];
       if (keep.empty())
       {
         continue;
       }
       const int cells = block.cells(sector.along);
-      const auto stencils = knotInsertion(cells, this->Doubled[sector.block][sector.along]);
+      const auto stencils = knotInsertion(cells, this->Context.isDoubled(sector.block, sector.along));
       const KnotInsertionStencil& stencil = stencils[layer];
       for (int old = stencil.first; old < stencil.first + stencil.terms; ++old)
       {
@@ -787,7 +763,7 @@ private:
   /// The rule of a control point that was changed.
   void mark(int block, Index place) const
   {
-    std::uint8_t& rule = this->Nets[block].rules[place];
+    std::uint8_t& rule = this->Context.nets[block].rules[place];
     if (rule == static_cast<std::uint8_t>(ControlPointRule::Copied) ||
       rule == static_cast<std::uint8_t>(ControlPointRule::Regular))
     {
@@ -1262,20 +1238,18 @@ private:
         by.push_back(changes[last].by);
       }
       const Change& at = changes[first];
-      Eigen::Map<Vec3>(this->Nets[at.block].points + 3 * at.place) += sortedSum(by);
+      Eigen::Map<Vec3>(this->Context.nets[at.block].points + 3 * at.place) += sortedSum(by);
       this->mark(at.block, at.place);
     }
   }
 
+  const ConversionContext& Context;
   const BlockComplex& Complex;
   const EntityRules& Rules;
-  const FaceKeeps& Keeps;
   const ConversionOptions& Options;
-  const std::vector<ControlNetStorage>& Nets;
   const std::vector<JoinedSpan>& Avoid;
   const bool JoinNothing;
   const Execution& Run;
-  const std::vector<std::array<bool, 3>> Doubled;
   std::vector<NetFan> Fans;
   /// Per fan and layer, whether it is next to a span to avoid; empty: none is.
   std::vector<std::vector<bool>> GivenUp;
@@ -1293,11 +1267,10 @@ private:
 
 } // namespace
 
-G1Report makeExactG1(const BlockComplex& complex, const EntityRules& rules, const FaceKeeps& keeps,
-  const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const std::vector<JoinedSpan>& avoid,
-  bool joinNothing, const Execution& run)
+G1Report makeExactG1(
+  const ConversionContext& context, const std::vector<JoinedSpan>& avoid, bool joinNothing, const Execution& run)
 {
-  return Joiner(complex, rules, keeps, options, nets, avoid, joinNothing, run).join();
+  return Joiner(context, avoid, joinNothing, run).join();
 }
 
 } // namespace bsv

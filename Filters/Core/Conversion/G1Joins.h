@@ -3,9 +3,9 @@
 /// Exact G1 of converted control nets: at extraordinary edges through all layers, and at extraordinary vertices of the
 /// wall.
 ///
-/// It starts from the nets of the rules with single knots. Double knots are inserted (DoubleKnots.h); every layer of
-/// control points across an extraordinary edge then gets the linear rule R0 (LocalNet.h). That is the same as R0 in
-/// every mesh layer before the rule across the layers, since both are linear. What the fit to the body (G1Fit.h)
+/// It starts from the nets of the rules with single knots, into which double knots were inserted (DoubleKnots.h). Every
+/// layer of control points across an extraordinary edge then gets the linear rule R0 (LocalNet.h). That is the same as
+/// R0 in every mesh layer before the rule across the layers, since both are linear. What the fit to the body (G1Fit.h)
 /// changes on the wall is carried into the layers by w(d) = max(0, 1 - d / (r h)), d along the control points of the
 /// edge, h the edge length on the wall, r the propagation range: it fulfils the same conditions, at every w.
 ///
@@ -15,9 +15,7 @@
 /// planar sides have their c_1 moved as little as condition (a) needs: they stay in their planes.
 #pragma once
 
-#include "Conversion/Conversion.h"
-#include "Conversion/CreaseColumns.h"
-#include "Conversion/EntityRules.h"
+#include "Conversion/ConversionContext.h"
 
 #include <vector>
 
@@ -31,11 +29,10 @@ struct JoinedSpan
   Ijk first;
 };
 
-/// Makes nets with single knots, each at the start of storage for the larger one, exactly G1. Collective.
+/// Makes nets with the double knots of `context.doubled` exactly G1. Collective.
 /// @param avoid spans next to which layers are not joined, the same on all ranks.
-/// @param joinNothing double knots are inserted, nothing is changed.
-G1Report makeExactG1(const BlockComplex& complex, const EntityRules& rules, const FaceKeeps& keeps,
-  const ConversionOptions& options, const std::vector<ControlNetStorage>& nets, const std::vector<JoinedSpan>& avoid,
-  bool joinNothing, const Execution& run);
+/// @param joinNothing nothing is changed.
+G1Report makeExactG1(
+  const ConversionContext& context, const std::vector<JoinedSpan>& avoid, bool joinNothing, const Execution& run);
 
 } // namespace bsv

@@ -28,8 +28,12 @@ void convertPoint(const ConversionContext& context, const MeshPointKey& key)
       break;
     default: {
       const Ijk ijk{ key[2], key[3], key[4] };
-      context.write(key[1], { innerPosition(ijk[0]), innerPosition(ijk[1]), innerPosition(ijk[2]) },
-        context.point(key[1], ijk), ControlPointRule::Copied);
+      Ijk position;
+      for (int d = 0; d < 3; ++d)
+      {
+        position[d] = context.innerPosition(key[1], d, ijk[d]);
+      }
+      context.write(key[1], position, context.point(key[1], ijk), ControlPointRule::Copied);
     }
   }
 }
@@ -38,7 +42,7 @@ std::array<int, 2> positionsOf(int i, int cells)
 {
   return i == 0  ? std::array<int, 2>{ 0, 1 }
     : i == cells ? std::array<int, 2>{ cells + 1, cells + 2 }
-                 : std::array<int, 2>{ innerPosition(i), innerPosition(i) };
+                 : std::array<int, 2>{ i + 1, i + 1 };
 }
 
 int meshIndexOf(int position, int cells)

@@ -35,7 +35,7 @@ BSplineVolume CheckedNets::volume(int block) const
 
 std::vector<double> CheckedNets::knots(int block, int d) const
 {
-  return volumeKnots(this->Context.complex.blocks[block].cells(d), !this->Doubled.empty() && this->Doubled[block][d]);
+  return volumeKnots(this->Context.complex.blocks[block].cells(d), this->Context.isDoubled(block, d));
 }
 
 std::vector<int> CheckedNets::spansAlong(int block, int d) const
@@ -97,7 +97,7 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
 {
   const ConversionContext& context = this->Context;
   const ComplexBlock& owner = context.complex.blocks[block];
-  const bool single = this->Doubled.empty();
+  const bool single = !context.doubled;
   // Per control point of a direction its first and last span.
   std::array<std::vector<std::array<int, 2>>, 3> reach;
   Ijk spans, count;
@@ -175,14 +175,11 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
     {
       const std::uint8_t* row = context.nets[block].rules + Index(count[0]) * (j + Index(count[1]) * k);
       // The interior is copied.
-      const bool through = single && j > 1 && j < count[1] - 2 && k > 1 && k < count[2] - 2;
+      const std::array<int, 2> copies = context.copiesInRow(block, j, k);
       startRow();
       for (int i = 0; i < count[0]; ++i)
       {
-        if (through && i == 2)
-        {
-          i = std::max(i, count[0] - 2);
-        }
+        i = i == copies[0] ? copies[1] : i;
         if (isSpecial[row[i]])
         {
           chooseInRow(reach[0][i]);

@@ -20,14 +20,12 @@ using SpanId = std::pair<int, Index>;
 /// Numbers of spans per block, ascending.
 using SpanLists = std::map<int, std::vector<Index>>;
 
-/// The converted nets, with single knots or with those of DoubleKnots.h.
+/// The converted nets, with single knots or with those of ConversionContext::doubled.
 class CheckedNets
 {
 public:
-  /// @param doubled per block and direction; empty: single knots everywhere.
-  explicit CheckedNets(const ConversionContext& context, std::vector<std::array<bool, 3>> doubled = {})
+  explicit CheckedNets(const ConversionContext& context)
     : Context(context)
-    , Doubled(std::move(doubled))
   {
   }
 
@@ -47,7 +45,6 @@ private:
   std::vector<Index> specialSpans(int block) const;
 
   const ConversionContext& Context;
-  std::vector<std::array<bool, 3>> Doubled;
 };
 
 /// The mesh cell of a span with single knots, and the other way round.

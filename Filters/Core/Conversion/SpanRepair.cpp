@@ -686,6 +686,27 @@ private:
 
 } // namespace
 
+namespace
+{
+
+/// Calls action(cells, doubled, net) for the blocks of this rank.
+template <typename Action>
+void forBlocksHere(const ConversionContext& context, const Execution& run, const Action& action)
+{
+  run.parallelFor(static_cast<Index>(context.complex.blocks.size()), 1, [&](Index begin, Index end) {
+    for (int b = static_cast<int>(begin); b < end; ++b)
+    {
+      const ComplexBlock& block = context.complex.blocks[b];
+      if (context.isHere(b))
+      {
+        action(Ijk{ block.cells(0), block.cells(1), block.cells(2) }, (*context.doubled)[b], context.nets[b]);
+      }
+    }
+  });
+}
+
+} // namespace
+
 SpanReport checkSpans(const ConversionContext& context, const Execution& run)
 {
   SpanReport report;
@@ -704,18 +725,27 @@ SpanReport checkSpans(const ConversionContext& context, const Execution& run)
 G1Report joinAndCheck(
   const ConversionContext& context, const std::function<SpanReport()>& convert, SpanReport& spans, const Execution& run)
 {
-  constexpr int MaxRounds = 6;
+  // Round 0 is that of nets as they are converted; the others begin with repaired ones.
+  constexpr int MaxRounds = 7;
   const bool check = context.options.checkSpans != CheckSpans::None || context.options.untangle;
-  const CheckedNets nets(context, doubleKnotDirections(context.complex, context.options));
+  const CheckedNets nets(context);
   const Ranks& ranks = *run.ranks;
   std::vector<JoinedSpan> avoid;
-  const Index failedBefore = static_cast<Index>(spans.left.size()) + spans.invalidCells;
-  Index failedFirst = 0;
+  Index failedBefore = 0, failedFirst = 0;
   for (int round = 0;; ++round)
   {
+    if (round > 0)
+    {
+      spans = convert();
+      forBlocksHere(context, run, makeRoom);
+    }
+    if (round == 1)
+    {
+      failedBefore = static_cast<Index>(spans.left.size()) + spans.invalidCells;
+    }
+    forBlocksHere(context, run, insertDoubleKnots);
     const bool nothing = round == MaxRounds;
-    const G1Report report =
-      makeExactG1(context.complex, context.rules, context.keeps, context.options, context.nets, avoid, nothing, run);
+    const G1Report report = makeExactG1(context, avoid, nothing, run);
     if (!check)
     {
       return report;
@@ -740,12 +770,11 @@ G1Report joinAndCheck(
     std::sort(left.begin(), left.end(), [](const Place& a, const Place& b) {
       return std::tie(a.block, a.cell, a.first) < std::tie(b.block, b.cell, b.first);
     });
-    failedFirst = round == 0 ? static_cast<Index>(left.size()) : failedFirst;
+    failedFirst = round <= 1 ? static_cast<Index>(left.size()) : failedFirst;
     // What no join has made invalid is not for the joins to cure.
     const bool again = !nothing && context.options.repairSpans && static_cast<Index>(left.size()) > failedBefore;
     if (!again)
     {
-      const Index repaired = spans.repaired, failed = spans.failed;
       spans.checked = checked;
       spans.left.clear();
       spans.invalid = spans.undecided = spans.invalidCells = 0;
@@ -760,15 +789,14 @@ G1Report joinAndCheck(
         }
       }
       const Index cured = std::max<Index>(0, failedFirst - static_cast<Index>(left.size()));
-      spans.failed = failed + cured;
-      spans.repaired = repaired + cured;
+      spans.failed = (round == 0 ? static_cast<Index>(spans.left.size()) : spans.failed) + cured;
+      spans.repaired += cured;
       return report;
     }
-    for (const Place& place : left)
+    for (std::size_t i = 0; round > 0 && i < left.size(); ++i)
     {
-      avoid.push_back({ place.block, place.first });
+      avoid.push_back({ left[i].block, left[i].first });
     }
-    spans = convert();
   }
 }
 

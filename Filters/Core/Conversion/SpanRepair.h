@@ -39,11 +39,12 @@ namespace bsv
 /// The nets must be converted; `context.moved` must be null. Collective; the report is the same on all ranks.
 SpanReport checkSpans(const ConversionContext& context, const Execution& run);
 
-/// ExactG1: the nets, converted and checked as above, get double knots and joins (G1Joins.h); then their spans are
-/// certified. Where the joins make spans invalid that were valid, layers next to them are left as they are, in rounds,
-/// if ConversionOptions::repairSpans; at last all are.
-/// @param convert makes the nets with single knots again, with their check and repair. Collective.
-/// @param[in,out] spans the report of checkSpans().
+/// ExactG1: converted nets with room for double knots get these and joins (G1Joins.h); then their spans are certified.
+/// Where some are not proven, and ConversionOptions::repairSpans, the nets with single knots are checked and repaired
+/// first, as above. Where the joins still make spans invalid that were valid, layers next to them are left as they are,
+/// in rounds; at last all are.
+/// @param convert makes the nets with single knots, without that room, with their check and repair. Collective.
+/// @param[out] spans as of checkSpans().
 G1Report joinAndCheck(const ConversionContext& context, const std::function<SpanReport()>& convert, SpanReport& spans,
   const Execution& run);
 

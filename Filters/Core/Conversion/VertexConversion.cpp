@@ -421,14 +421,13 @@ void writeStar(const ConversionContext& context, const Star& star)
   for (std::size_t b = 0; b < star.blocks.size(); ++b)
   {
     const VertexStar::Block& entry = star.blocks[b];
-    const ComplexBlock& owner = context.complex.blocks[entry.block];
     for (int inserted = 0; inserted < 8; ++inserted)
     {
       // Bit d of `inserted`: one step in along direction d.
       Ijk position;
       for (int d = 0; d < 3; ++d)
       {
-        position[d] = endPosition(cornerSide(entry.corner, d), inserted >> d & 1, owner.cells(d));
+        position[d] = context.endPosition(entry.block, d, cornerSide(entry.corner, d), inserted >> d & 1);
       }
       Vec3 point = star.center;
       ControlPointRule rule = star.rule;

@@ -30,7 +30,6 @@ const std::string& checked(const std::string& path)
 TextLines::TextLines(const std::string& path)
   : Path(checked(path))
   , File(std::fopen(path.c_str(), "rb"), &std::fclose)
-  , Buffer(std::size_t(1) << 20)
 {
   struct stat status;
   if (!this->File || ::fstat(::fileno(this->File.get()), &status) != 0)
@@ -38,6 +37,9 @@ TextLines::TextLines(const std::string& path)
     throw Error("Cannot open '" + path + "': " + std::strerror(errno));
   }
   this->Remaining = status.st_size;
+  // One byte more, so that the end is seen without a larger buffer.
+  constexpr Index LargestStart = Index(1) << 20;
+  this->Buffer.resize(static_cast<std::size_t>(std::min<Index>(this->Remaining + 1, LargestStart)));
 }
 
 void TextLines::next(const char* expected)

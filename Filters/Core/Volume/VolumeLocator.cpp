@@ -20,7 +20,7 @@ namespace
 {
 
 /// Spans per direction that share a box of the tree.
-constexpr int BrickSize = 4;
+constexpr int BrickSize = 2;
 constexpr int MaximumSteps = 20;
 
 using Homogeneous = Eigen::Vector4d;
@@ -54,6 +54,44 @@ Box boxOf(const std::vector<Homogeneous>& net)
     box.extend(Vec3(x.head<3>() / x[3]));
   }
   return box;
+}
+
+/// Whether the point is farther than the tolerance from a part, by two boxes of its Bezier points: along the axes, and
+/// along the part's own directions, where thin and curved cells fill their box. Both are proofs: a part lies in the convex
+/// hull of its points, and so does any affine image of it.
+bool isExcluded(const Part& part, const std::array<int, 3>& degree, const Vec3& point, double tolerance)
+{
+  if (!inflated(boxOf(part.net), tolerance).contains(point))
+  {
+    return true;
+  }
+  // Mean of the edges in each direction.
+  const int size[3] = { degree[0] + 1, degree[1] + 1, degree[2] + 1 };
+  const auto corner = [&](int a, int b, int c) -> Vec3 {
+    const Homogeneous& x = part.net[a * degree[0] + size[0] * (b * degree[1] + size[1] * (c * degree[2]))];
+    return x.head<3>() / x[3];
+  };
+  Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
+  for (int n = 0; n < 4; ++n)
+  {
+    const int a = n % 2;
+    const int b = n / 2;
+    edges.col(0) += 0.25 * (corner(1, a, b) - corner(0, a, b));
+    edges.col(1) += 0.25 * (corner(a, 1, b) - corner(a, 0, b));
+    edges.col(2) += 0.25 * (corner(a, b, 1) - corner(a, b, 0));
+  }
+  const Eigen::Matrix3d own = edges.inverse();
+  if (!own.allFinite())
+  {
+    return false;
+  }
+  Box box;
+  for (const Homogeneous& x : part.net)
+  {
+    box.extend(Vec3(own * (x.head<3>() / x[3] - point)));
+  }
+  const Vec3 reach = tolerance * own.rowwise().norm();
+  return (box.min().array() > reach.array()).any() || (box.max().array() < -reach.array()).any();
 }
 
 /// Both halves of a part in one direction.
@@ -235,7 +273,8 @@ std::optional<VolumePlace> VolumeLocator::Spans::iterate(
 std::optional<VolumePlace> VolumeLocator::Spans::search(
   int block, const Part& part, const Vec3& low, const Vec3& high, const Vec3& point, double tolerance, int depth) const
 {
-  if (!inflated(boxOf(part.net), tolerance).contains(point))
+  const std::array<int, 3>& degree = this->volume(block).degree;
+  if (isExcluded(part, degree, point, tolerance))
   {
     return std::nullopt;
   }
@@ -247,7 +286,6 @@ std::optional<VolumePlace> VolumeLocator::Spans::search(
   {
     return std::nullopt;
   }
-  const std::array<int, 3>& degree = this->volume(block).degree;
   for (const Part& w : halved(part, degree, 2))
   {
     for (const Part& v : halved(w, degree, 1))

@@ -8,7 +8,12 @@
 #include "Execution/ControllerRanks.h"
 
 #include <vtkDataSetAttributes.h>
+#include <vtkDemandDrivenPipeline.h>
 #include <vtkInformation.h>
+#include <vtkInformationVector.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkPartitionedDataSetCollection.h>
 #include <vtkSMPTools.h>
 
 #include <gtest/gtest.h>
@@ -474,8 +479,7 @@ TEST_F(FailingRanks, InputsThatOneRankDoesNotHaveAreOneError)
     for (int port = 0; port < cases[0][n].make()->GetNumberOfInputPorts(); ++port)
     {
       std::vector<vtkSmartPointer<vtkAlgorithm>> algorithms{ cases[0][n].make(), cases[1][n].make() };
-      // Writers ask for their input before anybody else can.
-      if (vtkWriter::SafeDownCast(algorithms[0]) || algorithms[0]->GetNumberOfInputConnections(port) == 0)
+      if (algorithms[0]->GetNumberOfInputConnections(port) == 0)
       {
         continue;
       }
@@ -490,6 +494,60 @@ TEST_F(FailingRanks, InputsThatOneRankDoesNotHaveAreOneError)
     }
   }
   EXPECT_GT(ports, 10);
+}
+
+/// A filter of another program that fails on one rank only.
+class FailingSource : public vtkAlgorithm
+{
+public:
+  static FailingSource* New();
+  vtkTypeMacro(FailingSource, vtkAlgorithm);
+
+protected:
+  FailingSource()
+  {
+    this->SetNumberOfInputPorts(0);
+    this->SetNumberOfOutputPorts(1);
+  }
+  int FillOutputPortInformation(int, vtkInformation* info) override
+  {
+    info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkPartitionedDataSetCollection");
+    return 1;
+  }
+  vtkTypeBool ProcessRequest(vtkInformation* request, vtkInformationVector**, vtkInformationVector* outputs) override
+  {
+    if (request->Has(vtkDemandDrivenPipeline::REQUEST_DATA_OBJECT()))
+    {
+      vtkNew<vtkPartitionedDataSetCollection> data;
+      outputs->GetInformationObject(0)->Set(vtkDataObject::DATA_OBJECT(), data);
+    }
+    return request->Has(vtkDemandDrivenPipeline::REQUEST_DATA()) ? 0 : 1;
+  }
+};
+vtkStandardNewMacro(FailingSource);
+
+TEST_F(FailingRanks, WritersWhoseInputFailsOnOneRankEndOnAll)
+{
+  const auto cases = casesOfRanks(2);
+  int writers = 0;
+  for (std::size_t n = 0; n < cases[0].size(); ++n)
+  {
+    std::vector<vtkSmartPointer<vtkAlgorithm>> algorithms{ cases[0][n].make(), cases[1][n].make() };
+    if (!vtkWriter::SafeDownCast(algorithms[0]))
+    {
+      continue;
+    }
+    vtkNew<FailingSource> source;
+    algorithms[writers % 2]->SetInputConnection(source->GetOutputPort());
+    meshfiles::writeFile(cases[0][n].file, "old");
+    const std::vector<End> ends = Runs(algorithms)();
+    expectOneEnd(ends, cases[0][n].name);
+    EXPECT_NE(ends[0].verdict.find("rank " + std::to_string(writers % 2) + ": the input"), std::string::npos)
+      << ends[0].verdict;
+    EXPECT_EQ(meshfiles::readFile(cases[0][n].file), "old");
+    ++writers;
+  }
+  EXPECT_GT(writers, 5);
 }
 
 TEST_F(FailingRanks, DifferentInputsEndAlikeOnAllRanks)

@@ -327,6 +327,13 @@ public:
     {
       add(static_cast<vtkHexBlockMeshWriter*>(nullptr), this->Mesh, file);
     }
+    add(static_cast<vtkHexBlockMeshWriter*>(nullptr), this->Mesh, "text.xyz");
+    const auto makeBinary = cases.back().make;
+    cases.back().make = [makeBinary] {
+      vtkSmartPointer<vtkAlgorithm> writer = makeBinary();
+      vtkHexBlockMeshWriter::SafeDownCast(writer)->SetEncoding(vtkHexBlockMeshWriter::ASCII);
+      return writer;
+    };
     for (const char* file : { "volume.mesh", "volume.xml", "volume.g2", "volume.msh", "volume.h5", "volume.cgns" })
     {
       add(static_cast<vtkBSplineVolumeWriter*>(nullptr), this->Volume, file);
@@ -355,6 +362,7 @@ public:
         "", {} });
     };
     add(static_cast<vtkHexBlockMeshReader*>(nullptr), "mesh.xyz");
+    add(static_cast<vtkHexBlockMeshReader*>(nullptr), "text.xyz");
     add(static_cast<vtkHexBlockMeshReader*>(nullptr), "mesh.cgns");
     add(static_cast<vtkBSplineVolumeReader*>(nullptr), "volume.mesh");
     add(static_cast<vtkBSplineVolumeReader*>(nullptr), "volume.g2");

@@ -348,7 +348,7 @@ TEST(ExactG1, DoubleKnotsAreInsertedExactly)
 {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  for (const Ijk& cells : { Ijk{ 1, 2, 3 }, Ijk{ 4, 1, 2 }, Ijk{ 5, 7, 1 } })
+  for (const Ijk& cells : { Ijk{ 1, 2, 3 }, Ijk{ 4, 1, 2 }, Ijk{ 5, 7, 1 }, Ijk{ 4, 3, 6 } })
   {
     for (int mask = 1; mask < 8; ++mask)
     {
@@ -368,6 +368,7 @@ TEST(ExactG1, DoubleKnotsAreInsertedExactly)
       std::vector<double> points(3 * count);
       std::copy(single.begin(), single.end(), points.begin());
       std::vector<std::uint8_t> rules(count, 0);
+      makeRoom(cells, doubled, { points.data(), rules.data() });
       insertDoubleKnots(cells, doubled, { points.data(), rules.data() });
       before.points = single.data();
       after.points = points.data();
