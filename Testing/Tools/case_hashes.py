@@ -26,6 +26,7 @@ OPTIONS = [
     {"UseCreaseAngle": 1, "CreaseAngle": 60.0},
     {"PlanarSides": "All"},
     {"PlanarSides": "None"},
+    {"Continuity": "ExactG1"},
     {"Twist": "Parallelogram"},
     {"Twist": "Mask"},
     {"WallSpacingMode": "Automatic", "FarFieldSpacing": "PerVertex"},

@@ -113,7 +113,7 @@ void tensorSums(const NURBSSurface& surface, const Basis (&basis)[2], const At& 
     Vector row[3] = { Vector::Zero(), Vector::Zero(), Vector::Zero() };
     for (int a = 0; a <= surface.degree[0]; ++a)
     {
-      const Vector point = at(first + a);
+      const Vector& point = at(first + a);
       for (int d = 0; d < 3; ++d)
       {
         row[d] += basis[0].values[d][a] * point;

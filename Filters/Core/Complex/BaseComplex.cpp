@@ -14,7 +14,7 @@ BaseComplex HexDecomposition::decompose()
   this->Result.notes = std::move(this->Neighbours.notes);
   this->Result.warnings = std::move(this->Neighbours.warnings);
   const std::size_t faces = 6 * static_cast<std::size_t>(this->Mesh.cellCount());
-  this->Separating.reset(new std::atomic<std::uint8_t>[faces]);
+  this->Separating = std::make_unique<std::atomic<std::uint8_t>[]>(faces);
   for (std::size_t face = 0; face < faces; ++face)
   {
     this->Separating[face].store(0, std::memory_order_relaxed);

@@ -193,10 +193,11 @@ private:
         points[{ this->Pairs[p].u, this->Pairs[p].v }].push_back(p);
       }
     }
-    for (const auto& [ends, pairs] : points)
+    for (const auto& point : points)
     {
+      const auto& ends = point.first;
       std::vector<Index> quads;
-      for (const std::size_t p : pairs)
+      for (const std::size_t p : point.second)
       {
         quads.push_back(this->Pairs[p].a);
         quads.push_back(this->Pairs[p].b);
@@ -219,7 +220,7 @@ private:
             !this->Surface.unnamed(there.quad.face) || this->cosine(quad, other) <= SmoothCosine;
         });
       }
-      for (const std::size_t p : pairs)
+      for (const std::size_t p : point.second)
       {
         loose[p] = closes;
       }
