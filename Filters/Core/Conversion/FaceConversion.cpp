@@ -131,7 +131,7 @@ struct Side
   }
   Vec3 at(int s, int t, int depth) const
   {
-    const Vec3 x = this->points->atPlace(this->mesh(s, t, depth));
+    Vec3 x = this->points->atPlace(this->mesh(s, t, depth));
     if (!this->moved)
     {
       return x;
