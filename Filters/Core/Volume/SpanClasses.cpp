@@ -242,7 +242,8 @@ ChosenLevels chooseLevels(const std::vector<BSplineVolume>& volumes, const std::
   if (request.chordError > 0.0)
   {
     chords = gatherListsFromOwners<Need>(*run.ranks, walls, wallOwner, [&](std::size_t n) {
-      const auto [block, face] = request.walls[n];
+      const int block = request.walls[n][0];
+      const int face = request.walls[n][1];
       const int first = numbers.spans(block, faceAxis(face, 0));
       std::vector<Need> needs(static_cast<std::size_t>(first + numbers.spans(block, faceAxis(face, 1))));
       run.parallelFor(static_cast<Index>(needs.size()), 1, [&](Index begin, Index end) {

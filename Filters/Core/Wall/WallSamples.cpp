@@ -175,7 +175,7 @@ std::vector<Vec3> WallSamples::controlNet(const Face& face, const std::vector<Ve
     {
       const Index id = alongS ? face.id(k, across) : face.id(across, k);
       const Vec3 end = this->Rows.across(id, x);
-      const Vec3 next = x[alongS ? face.id(k, inner) : face.id(inner, k)];
+      const Vec3& next = x[alongS ? face.id(k, inner) : face.id(inner, k)];
       const int last = side % 2 ? m + 2 : 0, second = side % 2 ? m + 1 : 1;
       (alongS ? put(k + 1, last) : put(last, k + 1)) = end;
       (alongS ? put(k + 1, second) : put(second, k + 1)) = insert(x[id], next);
