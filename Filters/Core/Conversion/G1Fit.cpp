@@ -371,11 +371,12 @@ G1FitResult fitToBody(
   const CycleOrder order(n, [&](int a, int b) { return comesBefore(start.sectors[a][1], start.sectors[b][1]); });
   const WallPatch sorted = turned(start, order);
   const bool large = *std::min_element(start.cells.begin(), start.cells.end()) >= 8;
-  // Where the body is nearly flat points may slide too far: then stiffer.
+  // The softest fit is the closest to the body; where points slide too far, as on a nearly flat one, a stiffer one.
+  constexpr double Softest = 0.25;
   G1FitResult result;
   for (int reach = large ? 4 : 3; reach >= 3 && result.reach == 0; --reach)
   {
-    for (double stiffness = 1.0; stiffness < 100.0 && result.reach == 0; stiffness *= 4.0)
+    for (double stiffness = Softest; stiffness < 100.0 && result.reach == 0; stiffness *= 4.0)
     {
       result = Fit(sorted, reach, foot, curvature, stiffness, closest).run();
     }
