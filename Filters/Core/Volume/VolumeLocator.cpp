@@ -57,8 +57,8 @@ Box boxOf(const std::vector<Homogeneous>& net)
 }
 
 /// Whether the point is farther than the tolerance from a part, by two boxes of its Bezier points: along the axes, and
-/// along the part's own directions, where thin and curved cells fill their box. Both are proofs: a part lies in the convex
-/// hull of its points, and so does any affine image of it.
+/// along the part's own directions, where thin and curved cells fill their box. Both are proofs: a part lies in the
+/// convex hull of its points, and so does any affine image of it.
 bool isExcluded(const Part& part, const std::array<int, 3>& degree, const Vec3& point, double tolerance)
 {
   if (!inflated(boxOf(part.net), tolerance).contains(point))
