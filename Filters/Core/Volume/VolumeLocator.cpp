@@ -56,12 +56,18 @@ Box boxOf(const std::vector<Homogeneous>& net)
   return box;
 }
 
+/// Whether the box is farther from the point than the tolerance.
+bool isBeyond(const Box& box, const Vec3& point, double tolerance)
+{
+  return (box.min() - point).cwiseMax(point - box.max()).cwiseMax(0.0).stableNorm() > tolerance;
+}
+
 /// Whether the point is farther than the tolerance from a part, by two boxes of its Bezier points: along the axes, and
 /// along the part's own directions, where thin and curved cells fill their box. Both are proofs: a part lies in the
 /// convex hull of its points, and so does any affine image of it.
 bool isExcluded(const Part& part, const std::array<int, 3>& degree, const Vec3& point, double tolerance)
 {
-  if (!inflated(boxOf(part.net), tolerance).contains(point))
+  if (isBeyond(boxOf(part.net), point, tolerance))
   {
     return true;
   }
@@ -237,7 +243,7 @@ std::optional<VolumePlace> VolumeLocator::Spans::iterate(
   VolumePlace best{ block, 0.5 * (part.low + part.high), 0.0 };
   Vec3 at = best.uvw;
   Vec3 residual = point - evaluate(volume, at);
-  best.distance = residual.norm();
+  best.distance = residual.stableNorm();
   for (int step = 0; step < MaximumSteps; ++step)
   {
     Eigen::Matrix3d jacobian;
@@ -255,7 +261,7 @@ std::optional<VolumePlace> VolumeLocator::Spans::iterate(
     }
     at = moved;
     residual = point - evaluate(volume, at);
-    const double distance = residual.norm();
+    const double distance = residual.stableNorm();
     // Once the point is found, until rounding ends the improvement.
     if (distance >= best.distance && best.distance <= tolerance)
     {
@@ -403,7 +409,7 @@ VolumePlace VolumeLocator::locate(const Vec3& point, double tolerance) const
         {
           const Ijk last{ directions[0].spans[i], directions[1].spans[j], directions[2].spans[k] };
           const Ijk first{ last[0] - degree[0], last[1] - degree[1], last[2] - degree[2] };
-          if (inflated(data.boxOfPoints(brick.block, first, last), tolerance).contains(point))
+          if (!isBeyond(data.boxOfPoints(brick.block, first, last), point, tolerance))
           {
             spans.push_back({ brick.block, { i, j, k } });
           }

@@ -125,3 +125,34 @@ TEST(VolumeLocator, SharedPointsBelongToTheLowestBlockThatIsHere)
   const std::vector<BSplineVolume> none;
   EXPECT_EQ(VolumeLocator(none).locate(shared, 1.0).block, -1);
 }
+
+// A point near a corner of what is within reach along the axes may be out of reach: then parts are excluded by their
+// distance. By their boxes along the axes none was, and each point took millions of parts.
+TEST(VolumeLocator, PointsAreFoundWithinALargeToleranceAndNotBeyond)
+{
+  Block box;
+  box.volume.degree = { 1, 1, 1 };
+  for (std::vector<double>& knots : box.volume.knots)
+  {
+    knots = { 0, 0, 1, 1 };
+  }
+  for (int n = 0; n < 8; ++n)
+  {
+    box.points.insert(box.points.end(), { double(n % 2), double(n / 2 % 2), double(n / 4) });
+  }
+  const std::vector<BSplineVolume> views{ box.view() };
+  const VolumeLocator locator(views);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(-3.0, 4.0);
+  int found = 0;
+  for (int n = 0; n < 200; ++n)
+  {
+    const Vec3 x(place(random), place(random), place(random));
+    const double distance = (x - x.cwiseMax(0.0).cwiseMin(1.0)).norm();
+    const bool within = locator.locate(x, 2.0).block == 0;
+    EXPECT_EQ(within, distance <= 2.0) << x.transpose() << ", at " << distance;
+    found += within ? 1 : 0;
+  }
+  EXPECT_GT(found, 20);
+  EXPECT_LT(found, 180);
+}
