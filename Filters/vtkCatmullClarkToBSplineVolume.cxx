@@ -222,6 +222,9 @@ struct WallPoints
   std::string report;
 };
 
+/// Three coordinates and a rule.
+constexpr double BytesPerControlPoint = 3 * sizeof(double) + 1;
+
 /// One attempt at the conversion.
 struct Conversion
 {
@@ -262,6 +265,11 @@ void joinBlocks(Conversion& conversion, const std::vector<bsv::ControlNetStorage
     }
     else
     {
+      bsv::BSplineVolume volume;
+      volume.knots = knots[b];
+      const double points = double(volume.count(0)) * volume.count(1) * volume.count(2);
+      // Its pieces are there until it is complete.
+      bsv::requireMemory(points * BytesPerControlPoint, "the volume", "block " + std::to_string(b) + " as a whole");
       nets[b] = controlNet(joined.complex.blocks[b], knots[b], net);
       bsv::joinNets(block, conversion.knots, storage, net, run);
       for (const int piece : block.pieces)
@@ -836,8 +844,7 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
       const bsv::Ijk& counts = block.points.counts();
       controlPoints += block.points.isHere() ? (counts[0] + 2.0) * (counts[1] + 2.0) * (counts[2] + 2.0) : 0.0;
     }
-    // Each has three coordinates and a rule.
-    bsv::requireMemory(controlPoints * (3 * sizeof(double) + 1), "the volume", "its control points");
+    bsv::requireMemory(controlPoints * BytesPerControlPoint, "the volume", "its control points");
 
     // The body.
     std::unique_ptr<const bsv::BodySurface> body;

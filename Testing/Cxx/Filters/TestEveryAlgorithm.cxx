@@ -7,7 +7,13 @@
 #include "Execution/ReportPace.h"
 
 #include <vtkErrorCode.h>
+#include <vtkFieldData.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPartitionedDataSetCollection.h>
+#include <vtkPoints.h>
 #include <vtkSMPTools.h>
+#include <vtkStructuredGrid.h>
 
 #include <gtest/gtest.h>
 
@@ -198,6 +204,51 @@ TEST_F(EveryAlgorithm, WhatDoesNotFitIsRefusedBeforeItIsAllocated)
     EXPECT_NE(messages[0].find(" GB are free"), std::string::npos) << which.name << ": " << messages[0];
     EXPECT_EQ(algorithms::sizeOfOutputs(algorithm), 0) << which.name;
   }
+}
+
+// A block that stays whole is made of its pieces: room for those alone is not enough.
+TEST_F(EveryAlgorithm, BlocksThatDoNotFitAsAWholeAreRefused)
+{
+  constexpr int Cells[3] = { 12, 12, 4 };
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (int k = 0; k <= Cells[2]; ++k)
+  {
+    for (int j = 0; j <= Cells[1]; ++j)
+    {
+      for (int i = 0; i <= Cells[0]; ++i)
+      {
+        points->InsertNextPoint(i, j, k - 0.5 * std::abs(j - Cells[1] / 2)); // a ridge
+      }
+    }
+  }
+  vtkNew<vtkStructuredGrid> block;
+  block->SetDimensions(Cells[0] + 1, Cells[1] + 1, Cells[2] + 1);
+  block->SetPoints(points);
+  vtkNew<vtkPartitionedDataSetCollection> mesh;
+  mesh->SetPartition(0, 0, block);
+  vtkNew<vtkIntArray> creases;
+  creases->SetName("CreaseEdges");
+  creases->SetNumberOfComponents(7);
+  const int ridge[7] = { 0, 0, Cells[1] / 2, 0, Cells[0], Cells[1] / 2, 0 };
+  creases->InsertNextTypedTuple(ridge);
+  mesh->GetFieldData()->AddArray(creases);
+
+  vtkNew<vtkCatmullClarkToBSplineVolume> filter;
+  filter->SetInputDataObject(0, mesh);
+  filter->SetCreasesInsideBlocks(vtkCatmullClarkToBSplineVolume::REPEATED_KNOTS);
+  ASSERT_EQ(errors(algorithms::run(filter)), std::vector<std::string>());
+  ASSERT_EQ(
+    vtkPartitionedDataSetCollection::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfPartitionedDataSets(),
+    1u);
+  // The pieces have as many spans, and the whole has more knots than a block without a crease.
+  bsv::pretendedFreeMemory() = (Cells[0] + 3.0) * (Cells[1] + 3.0) * (Cells[2] + 3.0) * (3 * sizeof(double) + 1);
+  const std::vector<std::string> messages = errors(algorithms::run(filter));
+  bsv::pretendedFreeMemory() = HUGE_VAL;
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_NE(messages[0].find("block 0 as a whole"), std::string::npos) << messages[0];
+  EXPECT_NE(messages[0].find(" GB are free"), std::string::npos) << messages[0];
+  EXPECT_EQ(algorithms::sizeOfOutputs(filter), 0);
 }
 
 /// Counts ranges of loops in place of seconds, one thread doing all.
