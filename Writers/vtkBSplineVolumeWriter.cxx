@@ -97,7 +97,7 @@ void vtkBSplineVolumeWriter::WriteData()
     }
     else
     {
-      const bsv::CurvedCells curved(volume, this->CellOrder);
+      const bsv::CurvedCells curved(volume, this->CellOrder, run);
       if (!curved.exact(*run.ranks))
       {
         notes.push_back("cells of order " + std::to_string(this->CellOrder) +

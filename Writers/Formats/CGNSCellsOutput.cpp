@@ -165,7 +165,13 @@ void writeCGNSCells(
       quiet.progress = [](double) { return true; };
       const std::vector<double> all = cells.positions(b, quiet);
       const Ijk counts = cells.nodes(b);
+      values.reserve(3 * static_cast<std::size_t>(numbers.firstOf(b + 1) - numbers.firstOf(b)));
+      constexpr std::size_t Often = 3 << 16;
       numbers.forFirst(b, [&](const Ijk& p) {
+        if (values.size() % Often == 0)
+        {
+          run.report(done);
+        }
         const double* x = all.data() + 3 * (p[0] + Index(counts[0]) * (p[1] + Index(counts[1]) * p[2]));
         values.insert(values.end(), x, x + 3);
       });

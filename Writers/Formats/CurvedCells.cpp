@@ -196,11 +196,11 @@ NodeList sideNodes(int side, int order)
   return nodes;
 }
 
-CurvedCells::CurvedCells(const VolumeToWrite& volume, int order)
+CurvedCells::CurvedCells(const VolumeToWrite& volume, int order, const Execution& run)
   : Volume(volume)
   , Order(order)
   , Spans(spansOf(volume))
-  , Numbers(lattice(volume, order), contacts(volume, order))
+  , Numbers(lattice(volume, order), contacts(volume, order), run)
   , SpanNeighbours(lattice(volume, 1), contacts(volume, 1))
 {
   this->FirstCell.push_back(0);

@@ -40,7 +40,7 @@ NodeList sideNodes(int side, int order);
 class CurvedCells
 {
 public:
-  CurvedCells(const VolumeToWrite& volume, int order);
+  CurvedCells(const VolumeToWrite& volume, int order, const Execution& run = {});
 
   const VolumeToWrite& volume() const { return this->Volume; }
   int order() const { return this->Order; }

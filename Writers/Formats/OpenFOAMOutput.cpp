@@ -36,7 +36,7 @@ public:
     : Mesh(mesh)
     , Binary(binary)
     , Run(run)
-    , Numbers(countsOf(mesh), mesh.interfaces)
+    , Numbers(countsOf(mesh), mesh.interfaces, run)
     , Neighbours(countsOf(mesh), mesh.interfaces)
   {
     Index quads = 0;

@@ -46,13 +46,15 @@ Interface reversed(const Interface& contact)
   return back;
 }
 
-PointNumbering::PointNumbering(const std::vector<Ijk>& counts, const std::vector<Interface>& interfaces)
+PointNumbering::PointNumbering(
+  const std::vector<Ijk>& counts, const std::vector<Interface>& interfaces, const Execution& run)
   : Counts(counts)
   , Numbering(surfaceOf(counts))
 {
   UnionFind sets(this->Numbering.pointCount());
   for (const Interface& c : interfaces)
   {
+    run.report(0.0);
     const int ns = c.rangeA.hi[0] - c.rangeA.lo[0];
     const int nt = c.rangeA.hi[1] - c.rangeA.lo[1];
     for (int t = 0; t <= nt; ++t)
@@ -86,6 +88,7 @@ PointNumbering::PointNumbering(const std::vector<Ijk>& counts, const std::vector
     };
     for (int k = 0; k < n[2]; ++k)
     {
+      run.report(0.0);
       for (int j = 0; j < n[1]; ++j)
       {
         const bool surface = j == 0 || k == 0 || j + 1 == n[1] || k + 1 == n[2];

@@ -17,7 +17,7 @@ class PointNumbering
 {
 public:
   /// @param counts points per direction of the blocks. @param interfaces may cover parts of faces; ranges in points.
-  PointNumbering(const std::vector<Ijk>& counts, const std::vector<Interface>& interfaces);
+  PointNumbering(const std::vector<Ijk>& counts, const std::vector<Interface>& interfaces, const Execution& run = {});
 
   Index count() const { return this->BlockStart.back(); }
   /// Points that are met first in blocks before `block`.
