@@ -212,7 +212,7 @@ int vtkBSplineVolumeProbe::RequestData(
     for (const std::vector<bsv::Triple>& part : asked)
     {
       answers.emplace_back(part.size());
-      constexpr Index Portion = 1 << 14; // between two reports
+      constexpr Index Portion = 1 << 11; // between two reports: 50 microseconds each where cells are curved
       for (Index first = 0; first < static_cast<Index>(part.size()); first += Portion)
       {
         const Index last = std::min(static_cast<Index>(part.size()), first + Portion);

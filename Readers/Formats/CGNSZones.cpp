@@ -615,7 +615,7 @@ private:
       char* text = nullptr;
       if (cg_descriptor_read(d, name.data(), &text) == CG_OK && std::string(name.data()) == "BlockName" && text)
       {
-        const std::string found(text);
+        std::string found(text);
         cg_free(text);
         return found;
       }

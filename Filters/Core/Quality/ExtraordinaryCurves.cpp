@@ -109,6 +109,7 @@ std::vector<ExtraordinaryCurve> extraordinaryCurves(const std::vector<BSplineVol
   });
   const std::vector<std::vector<double>> received = ranks.exchange(toRank);
   std::vector<const double*> next;
+  next.reserve(received.size());
   for (const std::vector<double>& part : received)
   {
     next.push_back(part.data());

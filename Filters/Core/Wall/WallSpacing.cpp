@@ -129,6 +129,7 @@ public:
       }
     }
     std::vector<Foremost> mine;
+    mine.reserve(foremost.size());
     for (const auto& [tag, along] : foremost)
     {
       mine.push_back({ tag, along });

@@ -654,6 +654,7 @@ TEST(BaseComplex, ShellsClosedInTwoDirections)
 TEST(BaseComplex, MergedBlocksAreFewer)
 {
   std::vector<Ijk> places;
+  places.reserve(7);
   for (int c = 0; c < 7; ++c)
   {
     places.push_back({ c & 1, c >> 1 & 1, c >> 2 });
@@ -730,7 +731,7 @@ TEST(BaseComplex, NamesOfQuadrilaterals)
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   for (int n = 0; n < 4; ++n)
   {
-    quad(Vec3(n % 2, n / 2, 0), x, y, 0); // half of the floor
+    quad(Vec3(n & 1, n >> 1, 0), x, y, 0); // half of the floor
   }
   quad(Vec3(1, 0, 0), y, z, 1);
   const BaseComplex complex = cells.decompose();

@@ -174,6 +174,7 @@ public:
     bsvtest::Exchange exchange(this->size());
     std::vector<End> ends(this->size());
     std::vector<std::thread> threads;
+    threads.reserve(this->size());
     for (int r = 0; r < this->size(); ++r)
     {
       threads.emplace_back([&, r] {
@@ -257,9 +258,10 @@ protected:
   static Runs runs(const std::vector<std::vector<Inputs::Case>>& cases, std::size_t n)
   {
     std::vector<vtkSmartPointer<vtkAlgorithm>> algorithms;
-    for (std::size_t r = 0; r < cases.size(); ++r)
+    algorithms.reserve(cases.size());
+    for (const std::vector<Inputs::Case>& ofRank : cases)
     {
-      algorithms.push_back(cases[r][n].make());
+      algorithms.push_back(ofRank[n].make());
     }
     return Runs(algorithms);
   }
@@ -382,7 +384,7 @@ TEST_F(FailingRanks, DifferentPropertiesAreOneErrorWithBothValues)
       auto changed = cases;
       const auto make = cases[size - 1][n].make;
       changed[size - 1][n].make = [&] {
-        const vtkSmartPointer<vtkAlgorithm> algorithm = make();
+        vtkSmartPointer<vtkAlgorithm> algorithm = make();
         changeProperty(algorithm);
         return algorithm;
       };
