@@ -97,7 +97,7 @@ std::string TextScanner::restOfLine()
 std::string TextScanner::word(const char* what)
 {
   this->need(what);
-  const std::string word = this->peek();
+  std::string word = this->peek();
   this->At = this->wordEnd();
   return word;
 }

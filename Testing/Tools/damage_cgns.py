@@ -130,6 +130,10 @@ def damage(cgio, mesh, name, count, folder):
         texts.append(text)
     observe.CallDataType = "string0"
 
+    whole = simple.HexBlockMeshReader(FileName=mesh)
+    whole.UpdatePipeline()
+    assert whole.GetDataInformation().GetNumberOfPoints() > 0, mesh + " cannot be read before it is damaged"
+    simple.Delete(whole)
     before = None
     others = children()  # MPI's
     total = refused = stopped = 0

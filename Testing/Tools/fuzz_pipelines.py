@@ -167,16 +167,27 @@ def mesh(choice):
 
 def unstructured(data):
     """The cells of all blocks in one grid, as hexahedra."""
-    append = vtk.vtkAppendFilter()
-    append.SetMergePoints(True)
+    # Not by vtkAppendFilter, whose search for equal points ends the process at infinite and huge coordinates.
+    made = vtk.vtkUnstructuredGrid()
+    points = vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    ids = {}
     for b in range(data.GetNumberOfPartitionedDataSets() if data.IsA("vtkPartitionedDataSetCollection") else 0):
         part = data.GetPartition(b, 0)
-        if part and part.IsA("vtkStructuredGrid") and part.GetNumberOfPoints() > 0:
-            append.AddInputData(part)
-    if append.GetNumberOfInputConnections(0) == 0:
-        return vtk.vtkUnstructuredGrid()
-    append.Update()
-    return append.GetOutput()
+        if part and part.IsA("vtkStructuredGrid"):
+            for c in range(part.GetNumberOfCells()):
+                cell = part.GetCell(c)
+                if cell.GetCellType() != vtk.VTK_HEXAHEDRON:
+                    continue
+                corners = []
+                for n in range(8):
+                    place = part.GetPoint(cell.GetPointId(n))
+                    if place not in ids:
+                        ids[place] = points.InsertNextPoint(place)
+                    corners.append(ids[place])
+                made.InsertNextCell(vtk.VTK_HEXAHEDRON, 8, corners)
+    made.SetPoints(points)
+    return made
 
 
 def bodies():
