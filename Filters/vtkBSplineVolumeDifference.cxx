@@ -58,7 +58,8 @@ std::array<std::vector<Vec3>, 2> facePoints(const bsv::BSplineVolume& after, con
   const std::array<std::vector<double>, 2>& parameters, const bsv::Execution& run)
 {
   const int along[2] = { bsv::faceAxis(face, 0), bsv::faceAxis(face, 1) };
-  const auto& [s, t] = parameters;
+  const std::vector<double>& s = parameters[0];
+  const std::vector<double>& t = parameters[1];
   std::array<std::vector<Vec3>, 2> points;
   points[0].resize(s.size() * t.size());
   points[1].resize(s.size() * t.size());

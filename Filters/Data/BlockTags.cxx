@@ -1168,7 +1168,9 @@ void FormerBoundaries::addMergedPoints(vtkDataSet* grid)
     {
       const int corner = type == VTK_VOXEL ? v : BlockCorner[v];
       ids[corner] = static_cast<Index>(numbers->GetTuple1(points[v]));
-      auto [block, place] = this->placeOf(ids[corner]);
+      const std::pair<int, Ijk> before = this->placeOf(ids[corner]);
+      const int block = before.first;
+      Ijk place = before.second;
       bool inside = block >= 0;
       for (int d = 0; d < 3 && inside; ++d)
       {
@@ -1254,6 +1256,7 @@ std::vector<Index> FormerBoundaries::copies(Index meshPointId) const
       ids.push_back(id);
     }
   };
+  // The list grows while it is walked. NOLINTNEXTLINE(modernize-loop-convert)
   for (std::size_t n = 0; n < ids.size(); ++n)
   {
     for (auto at = std::lower_bound(this->Merged.begin(), this->Merged.end(), std::make_pair(ids[n], Index(0)));

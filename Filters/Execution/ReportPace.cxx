@@ -84,7 +84,8 @@ void pausedFor(Index count, Index grain, const Execution::Body& body, const std:
     rangesFor(begin, end, grain, body);
     // Not much more than before: the next ranges may cost more.
     const double factor = std::min(4.0, pace.interval / std::max(pace.now() - start, pace.interval / 16.0));
-    const double wanted = factor * static_cast<double>((end - begin) / grain) * static_cast<double>(grain);
+    const Index done = (end - begin) / grain * grain;
+    const double wanted = factor * static_cast<double>(done);
     part = wanted >= static_cast<double>(count) ? count : std::max(least, static_cast<Index>(wanted) / least * least);
     begin = end;
     if (reportIsDue())
