@@ -804,6 +804,460 @@ int vtkCatmullClarkToBSplineVolume::RequestInformation(
 }
 
 //------------------------------------------------------------------------------
+/// One execution: what the inputs and the properties say, and the steps of the work.
+class vtkCatmullClarkToBSplineVolume::Request
+{
+public:
+  explicit Request(vtkCatmullClarkToBSplineVolume& self)
+    : Self(self)
+    , Whole(bsv::filterExecution(&self))
+    , Ranks(*Whole.ranks)
+  {
+  }
+
+  void operator()(vtkDataObject* input, vtkDataObject* body, vtkPartitionedDataSetCollection* output, vtkTable* verdict)
+  {
+    this->readMesh(input);
+    if (this->Mesh.blocks.empty())
+    {
+      return;
+    }
+    this->readBody(body);
+    this->setOptions();
+    Conversion result;
+    const double end = this->Self.CheckJoins ? 0.8 : 1.0;
+    this->convert(result, 0.1, end);
+    const std::string creaseText = this->tryCreases(result, end);
+    const std::vector<bsv::Index> received =
+      this->Ranks.gatherAll(std::vector<bsv::Index>{ this->Ranks.receivedBytes() });
+    this->fillOutput(output, result);
+    const bsv::EntityClasses classes = bsv::classifyEntities(result.complex);
+    this->setCounts(result, classes);
+    this->Self.ReceivedBytes = received[this->Ranks.rank()];
+    std::string text;
+    for (const std::string& line : this->verdictLines(output, result))
+    {
+      text += line + '\n';
+    }
+    bsv::setText(verdict, text.substr(0, text.size() - 1));
+    const bsv::BlockComplex& complex = result.complex;
+    const bsv::ConversionReport& counts = result.counts;
+    this->Self.Report = text + reportText(complex, classes, this->Options, result.wallPoints, counts, result.knots) +
+      (creaseText.empty() ? "" : creaseText + '\n') + shareText(result.shares) +
+      motionText(result.motion, result.wallPoints.onBody) + spanText(complex, this->Options, counts.spans) +
+      rankText(complex, received);
+    this->warn(result, creaseText);
+  }
+
+private:
+  /// A part of the progress, and one count of what the ranks receive.
+  bsv::Execution execution(double first, double last) const
+  {
+    bsv::Execution run = bsv::filterExecution(&this->Self, first, last);
+    run.ranks = this->Whole.ranks;
+    return run;
+  }
+
+  void readMesh(vtkDataObject* input)
+  {
+    this->Mesh = bsv::blockMesh(input, this->MeshGrids, bsv::filterExecution(&this->Self, 0.0, 0.3));
+    if (this->Mesh.blocks.empty())
+    {
+      return;
+    }
+    bsv::requireMesh(this->MeshGrids, this->Ranks, "only meshes are converted");
+
+    double controlPoints = 0.0;
+    for (const bsv::MeshBlock& block : this->Mesh.blocks)
+    {
+      const bsv::Ijk& counts = block.points.counts();
+      controlPoints += block.points.isHere() ? (counts[0] + 2.0) * (counts[1] + 2.0) * (counts[2] + 2.0) : 0.0;
+    }
+    bsv::requireMemory(controlPoints * BytesPerControlPoint, "the volume", "its control points");
+  }
+
+  void readBody(vtkDataObject* given)
+  {
+    if (this->Ranks.any(given != nullptr))
+    {
+      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, this->Ranks);
+      bsv::Execution alone = this->execution(0.0, 0.1);
+      alone.ranks = bsv::aloneRank();
+      this->Body = std::make_unique<bsv::BodySurface>(patches, alone);
+    }
+
+    // Without names the body tells which faces are its wall.
+    this->Found = this->Body && this->Self.BodyFaces.empty() && this->Mesh.boundaryNames.empty()
+      ? bsv::facesOnBody(this->Mesh, *this->Body, this->execution(0.1, 0.1))
+      : std::vector<std::array<int, 2>>();
+    const std::vector<std::array<int, 2>>& bodyFaces = this->Found.empty() ? this->Self.BodyFaces : this->Found;
+    this->Selected = bodyFaces.empty() ? -1 : addBodyFaces(this->Mesh, bodyFaces);
+  }
+
+  void setOptions()
+  {
+    this->Options.body = this->Body.get();
+    const auto surfaceArray = [&](std::size_t b, const char* name, int components) -> const double* {
+      if (!this->MeshGrids[b])
+      {
+        return nullptr;
+      }
+      this->SurfaceData.push_back(
+        bsv::doublePointArray(this->MeshGrids[b], name, components, this->Mesh.blocks[b].name));
+      return this->SurfaceData.back() ? this->SurfaceData.back()->GetPointer(0) : nullptr;
+    };
+    for (std::size_t b = 0; b < this->Mesh.blocks.size(); ++b)
+    {
+      this->Options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint", 3));
+      this->Options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal", 3));
+      this->Options.wallSpacingPoints.push_back(
+        this->Self.WallSpacingArray.empty() ? nullptr : surfaceArray(b, this->Self.WallSpacingArray.c_str(), 1));
+    }
+    this->Ranks.nextStep();
+    for (std::size_t b = 0; b < this->Mesh.blocks.size() && !this->Self.ExtensionBlocks.empty(); ++b)
+    {
+      this->Options.extensionBlocks.push_back(bsv::matchesAny(this->Self.ExtensionBlocks, this->Mesh.blocks[b].name));
+    }
+    if (!this->Self.ExtensionBlocks.empty() &&
+      std::find(this->Options.extensionBlocks.begin(), this->Options.extensionBlocks.end(), true) ==
+        this->Options.extensionBlocks.end())
+    {
+      throw bsv::Error("Extension Blocks are " + bsv::quotedList(this->Self.ExtensionBlocks) +
+        ", but no block of the mesh has such a name; the first one is '" + this->Mesh.blocks[0].name + "'");
+    }
+    this->setComplexOptions();
+
+    this->Options.planarSides = static_cast<bsv::PlanarSides>(this->Self.PlanarSides);
+    this->Options.planarTolerance = this->Self.PlanarTolerance;
+    this->Options.twist = static_cast<bsv::Twist>(this->Self.Twist);
+    this->Options.wallSpacing = this->Self.WallSpacing;
+    this->Options.automaticWallSpacing = this->Self.WallSpacingMode == AUTOMATIC_MODE;
+    this->Options.farFieldSpacing = static_cast<bsv::FarFieldSpacing>(this->Self.FarFieldSpacing);
+    this->Options.propagationRange = this->Self.PropagationRange;
+    this->Options.checkSpans = static_cast<bsv::CheckSpans>(this->Self.CheckSpans);
+    this->Options.untangle = this->Self.Untangle;
+
+    this->Fit.body = this->Options.body;
+    this->Fit.tolerance = this->Self.FitTolerance;
+    this->Fit.iterations = this->Self.FitIterations;
+    this->Fit.range = this->Self.PropagationRange;
+  }
+
+  void setComplexOptions()
+  {
+    this->ComplexOptions.matchTolerance = this->Self.MatchTolerance;
+    this->ComplexOptions.allowDegenerate = this->Self.AllowDegenerate;
+    this->ComplexOptions.creaseAngle = this->Self.UseCreaseAngle ? this->Self.CreaseAngle : 180.0;
+    this->Creases.contrast = this->Self.CreaseContrast;
+    for (std::size_t tag = 0; tag < this->Mesh.boundaryNames.size(); ++tag)
+    {
+      this->Creases.bodyTags.push_back(static_cast<int>(tag) == this->Selected ||
+        bsv::matchesAny(this->Self.BodyBoundaries, this->Mesh.boundaryNames[tag]));
+    }
+    if (this->Body)
+    {
+      this->Creases.bodyTurn = [&](const bsv::Vec3& x, double length) { return bsv::bodyTurn(*this->Body, x, length); };
+    }
+  }
+
+  /// One attempt.
+  void convert(Conversion& result, double first, double last)
+  {
+    const auto part = [&](double from, double to) {
+      return this->execution(first + from * (last - first), first + to * (last - first));
+    };
+    bsv::BlockComplex& complex = result.complex;
+    complex = this->complexOfMesh(part(0.0, 0.38), part(0.38, 0.42));
+    this->setRoles(complex);
+    const bsv::EntityRules rules = bsv::classify(complex, this->Options, part(0.42, 0.42));
+    result.wallPoints = takeWallPoints(
+      complex, this->Options, rules, this->Self.InputPoints, this->Self.BodyBoundaries, this->Fit, part(0.42, 0.55));
+
+    // Control nets of blocks on other ranks stay null.
+    std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
+    result.nets.resize(complex.blocks.size());
+    result.knots = bsv::conversionKnots(complex, this->Options);
+    for (std::size_t b = 0; b < complex.blocks.size(); ++b)
+    {
+      if (complex.blocks[b].rank == this->Ranks.rank())
+      {
+        result.nets[b] = controlNet(complex.blocks[b], result.knots[b], storage[b]);
+      }
+    }
+    // The wall may fold over its layers if it is followed exactly: shares of the displacements are lowered above
+    // failing spans until these are valid. What exact joins change comes after that.
+    const auto convert = [&](bool repair, bool singleKnots) {
+      bsv::ConversionOptions chosen = this->Options;
+      chosen.repairSpans = repair;
+      if (singleKnots)
+      {
+        chosen.setSingleKnots();
+      }
+      result.counts = bsv::convertToBSplineVolume(complex, chosen, storage, part(0.55, 1.0), &rules);
+    };
+    const bsv::BlockComplex unfitted = complex;
+    const auto fitted = [&] {
+      complex = unfitted;
+      if (result.wallPoints.fit)
+      {
+        bsv::applyFit(complex, rules, *result.wallPoints.fit, result.shares, part(0.55, 0.55));
+      }
+    };
+    fitted();
+    const bool rounds = result.wallPoints.onBody && this->Self.RepairSpans && this->Self.CheckSpans != CHECK_NONE;
+    const auto& left = result.counts.spans.left;
+    if (rounds)
+    {
+      constexpr int MaxRounds = 30;
+      convert(false, true);
+      for (int round = 0; round <= MaxRounds && !left.empty(); ++round)
+      {
+        if (!bsv::lowerShares(
+              unfitted, rules, *result.wallPoints.fit, left, round < MaxRounds ? 0.9 : 0.0, result.shares, this->Ranks))
+        {
+          break;
+        }
+        fitted();
+        convert(false, true);
+      }
+    }
+    if (!rounds || !left.empty() || this->Options.continuity != bsv::Continuity::SingleKnots)
+    {
+      convert(this->Self.RepairSpans, false);
+    }
+    result.motion = bsv::wallMotion(unfitted, complex, this->Options, rules, part(1.0, 1.0));
+    if (this->Self.CreasesInsideBlocks == REPEATED_KNOTS)
+    {
+      joinBlocks(result, storage, part(1.0, 1.0));
+    }
+  }
+
+  bsv::BlockComplex complexOfMesh(const bsv::Execution& building, const bsv::Execution& checking) const
+  {
+    bsv::BlockComplex complex =
+      bsv::buildBlockComplex(this->Mesh, this->ComplexOptions, this->Creases, nullptr, building);
+    const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, checking);
+    if (!this->Self.AllowOpenInterior)
+    {
+      bsv::refuseSuspicious(this->Mesh, diagnosis);
+    }
+    if (!this->Found.empty())
+    {
+      complex.notes.push_back("wall found by the body: " + faceList(this->Mesh, this->Found));
+    }
+    for (const bsv::MeshFinding& finding : diagnosis.findings)
+    {
+      (finding.suspicious() ? complex.warnings : complex.notes).push_back(bsv::describe(this->Mesh, finding));
+    }
+    return complex;
+  }
+
+  /// Roles and wall spacings of the boundaries.
+  void setRoles(const bsv::BlockComplex& complex)
+  {
+    this->Options.roles = bsv::boundaryRoles(complex, this->Self.BodyBoundaries, this->Self.SymmetryBoundaries);
+    for (std::size_t tag = 0; tag < this->Options.roles.size(); ++tag)
+    {
+      const std::string& name = complex.boundaryNames[tag];
+      bsv::BoundaryRole& role = this->Options.roles[tag];
+      role = this->Self.BodySelection.has(name, role == bsv::BoundaryRole::Body)      ? bsv::BoundaryRole::Body
+        : this->Self.SymmetrySelection.has(name, role == bsv::BoundaryRole::Symmetry) ? bsv::BoundaryRole::Symmetry
+                                                                                      : bsv::BoundaryRole::Other;
+    }
+    requireSameRoles(this->Options.roles, complex.boundaryNames, this->Ranks);
+    if (this->Selected >= 0)
+    {
+      this->Options.roles[this->Selected] = bsv::BoundaryRole::Body;
+    }
+    this->Options.boundaryWallSpacing.clear();
+    for (const std::string& name : complex.boundaryNames)
+    {
+      const auto spacing = std::find_if(this->Self.BoundaryWallSpacings.begin(), this->Self.BoundaryWallSpacings.end(),
+        [&](const auto& entry) { return bsv::matchesAny({ entry.first }, name); });
+      this->Options.boundaryWallSpacing.push_back(
+        spacing == this->Self.BoundaryWallSpacings.end() ? std::numeric_limits<double>::quiet_NaN() : spacing->second);
+    }
+    this->Options.continuity = static_cast<bsv::Continuity>(this->Self.Continuity);
+  }
+
+  /// A sharp edge, taken as smooth, can be rounded by more than the layers above it are thick. No point inside mends
+  /// that; a crease does.
+  /// @return what was done, empty if nothing.
+  std::string tryCreases(Conversion& result, double end)
+  {
+    std::string creaseText;
+    if (this->Self.RepairSpans && !this->Self.UseCreaseAngle && !result.counts.spans.left.empty())
+    {
+      this->ComplexOptions.creaseAngle = this->Self.CreaseAngle;
+      Conversion other;
+      bool converted = true;
+      try
+      {
+        this->Ranks.together([&] { this->convert(other, end, end); });
+      }
+      catch (const bsv::Aborted&)
+      {
+        throw;
+      }
+      catch (const bsv::Error&)
+      {
+        converted = false;
+      }
+      if (converted && other.counts.spans.left.size() < result.counts.spans.left.size())
+      {
+        creaseText = "without creases " + std::to_string(result.counts.spans.left.size()) +
+          " spans are not valid: boundary edges that turn by more than " + bsv::shortNumber(this->Self.CreaseAngle) +
+          " degrees (Crease Angle, Crease Contrast) were taken as creases, " +
+          std::to_string(other.counts.spans.left.size()) + " such spans are left; " +
+          std::to_string(result.complex.blocks.size()) + " blocks became " +
+          std::to_string(other.complex.blocks.size());
+        result = std::move(other);
+      }
+    }
+    return creaseText;
+  }
+
+  void fillOutput(vtkPartitionedDataSetCollection* output, const Conversion& result) const
+  {
+    const bsv::BlockComplex& complex = result.complex;
+    std::vector<std::string> names;
+    for (const bsv::ComplexBlock& block : complex.blocks)
+    {
+      names.push_back(block.name);
+    }
+    bsv::setBlocks(output, result.nets, names, "BSplineVolume");
+    setContacts(output, complex);
+    // The pipeline passes on that of the input, in mesh points of blocks that may have been cut.
+    bsv::setCreases(output->GetFieldData(), creasesOfNets(this->Mesh.creases, complex, result.knots));
+    vtkNew<vtkStringArray> ruleNames;
+    ruleNames->SetName("ControlPointRuleNames");
+    for (const std::string& name : bsv::controlPointRuleNames())
+    {
+      ruleNames->InsertNextValue(name);
+    }
+    output->GetFieldData()->AddArray(ruleNames);
+    vtkNew<vtkIntArray> roles;
+    roles->SetName("BoundaryRoles");
+    for (std::size_t tag = 0; tag < complex.boundaryNames.size(); ++tag)
+    {
+      roles->InsertNextValue(static_cast<int>(this->Options.roles[tag]));
+    }
+    output->GetFieldData()->AddArray(roles);
+  }
+
+  /// What the panel shows.
+  void setCounts(const Conversion& result, const bsv::EntityClasses& classes)
+  {
+    const bsv::ConversionReport& counts = result.counts;
+    this->Self.NumberOfInputBlocks = static_cast<int>(this->Mesh.blocks.size());
+    this->Self.NumberOfBlocks = static_cast<int>(result.complex.blocks.size());
+    this->Self.NumberOfExtraordinaryEdges = static_cast<int>(classes.extraordinaryEdges);
+    this->Self.NumberOfSingularNodes = static_cast<int>(counts.singularNodes);
+    for (std::size_t rule = 0; rule < counts.controlPoints.size(); ++rule)
+    {
+      this->Self.ControlPointsPerRule->SetValue(static_cast<vtkIdType>(rule), counts.controlPoints[rule]);
+      this->Self.NumberOfControlPoints += counts.controlPoints[rule];
+    }
+    this->Self.NumberOfCheckedSpans = counts.spans.checked;
+    this->Self.NumberOfRepairedSpans = counts.spans.repaired;
+    this->Self.NumberOfInvalidSpans = counts.spans.invalid;
+    this->Self.NumberOfUndecidedSpans = counts.spans.undecided;
+  }
+
+  std::vector<std::string> verdictLines(vtkPartitionedDataSetCollection* output, const Conversion& result) const
+  {
+    const bsv::ConversionReport& counts = result.counts;
+    std::vector<bool> wall;
+    for (std::size_t tag = 0; tag < result.complex.boundaryNames.size(); ++tag)
+    {
+      wall.push_back(this->Options.roles[tag] == bsv::BoundaryRole::Body);
+    }
+    std::vector<std::string> lines;
+    if (this->Self.CheckJoins)
+    {
+      lines = bsv::joinSentences(bsv::joinVerdict(output, wall, this->execution(0.8, 1.0)));
+    }
+    else
+    {
+      lines.emplace_back("Watertight: blocks share their control points; joins not measured (Check Joins)");
+    }
+    // At knots and between them: interpolation can overshoot where spacing changes.
+    for (std::string& sentence : wallSentences(result.wallPoints, this->Options.body != nullptr,
+           this->Options.body ? wallDistance(result, this->Options, *this->Options.body, this->execution(0.8, 0.8))
+                              : bsv::BodyDistance{}))
+    {
+      lines.push_back(std::move(sentence));
+    }
+    if (counts.spans.checked > 0)
+    {
+      const bsv::Index bad = counts.spans.invalid + counts.spans.invalidCells;
+      lines.push_back("Spans: " + std::to_string(counts.spans.checked) + " checked, " +
+        (bad + counts.spans.undecided == 0
+            ? std::string("all valid")
+            : std::to_string(bad) + " invalid, " + std::to_string(counts.spans.undecided) + " undecided"));
+    }
+    else
+    {
+      lines.emplace_back("Spans: not checked (Check Spans)");
+    }
+    if (result.complex.tangledCells > 0)
+    {
+      lines.push_back("Borderline: " + std::to_string(result.complex.tangledCells) + " tangled cells in the mesh");
+    }
+    return lines;
+  }
+
+  void warn(const Conversion& result, const std::string& creaseText) const
+  {
+    const bsv::BlockComplex& complex = result.complex;
+    const bsv::ConversionReport& counts = result.counts;
+    std::vector<std::string> warnings = complex.warnings;
+    if (!creaseText.empty())
+    {
+      warnings.push_back(creaseText);
+    }
+    if (!counts.spans.left.empty())
+    {
+      const bsv::SpanReport::Place& first = counts.spans.left.front();
+      warnings.push_back(std::to_string(counts.spans.left.size()) +
+        " spans are not valid although their mesh cells are, the first in block '" + complex.blocks[first.block].name +
+        "', cell (" + triple(", ", first.cell[0], first.cell[1], first.cell[2]) + "); see the report");
+    }
+    bsv::warn(&this->Self, warnings);
+    bsv::warn(&this->Self,
+      bsv::uselessPatterns("Body Boundaries", this->Self.BodyBoundaries, bsv::defaultBodyBoundaries(),
+        complex.boundaryNames, complex.boundaryTypes));
+    bsv::warn(&this->Self,
+      bsv::uselessPatterns("Symmetry Boundaries", this->Self.SymmetryBoundaries, bsv::defaultSymmetryBoundaries(),
+        complex.boundaryNames, complex.boundaryTypes));
+    for (const auto& entry : this->Self.BoundaryWallSpacings)
+    {
+      bsv::warn(&this->Self,
+        bsv::uselessPatterns(
+          "Boundary Wall Spacing", { entry.first }, {}, complex.boundaryNames, complex.boundaryTypes));
+    }
+  }
+
+  vtkCatmullClarkToBSplineVolume& Self;
+  const bsv::Execution Whole;
+  const bsv::Ranks& Ranks;
+
+  std::vector<vtkSmartPointer<vtkStructuredGrid>> MeshGrids;
+  bsv::BlockMesh Mesh;
+  std::unique_ptr<const bsv::BodySurface> Body;
+  /// Block faces on the body, where no name tells the wall.
+  std::vector<std::array<int, 2>> Found;
+  /// Tag of the boundary that consists of chosen faces, or -1.
+  int Selected = -1;
+  /// The arrays that the options point to.
+  std::vector<vtkSmartPointer<vtkDoubleArray>> SurfaceData;
+  bsv::ConversionOptions Options;
+  bsv::BlockComplexOptions ComplexOptions;
+  bsv::CreaseRules Creases;
+  bsv::BodyFitOptions Fit;
+};
+
+//------------------------------------------------------------------------------
 int vtkCatmullClarkToBSplineVolume::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
@@ -820,370 +1274,8 @@ int vtkCatmullClarkToBSplineVolume::RequestData(
 
   return bsv::execute(this, [&] {
     bsv::requiredInput(inputVector, 0);
-    // Parts of the progress, and one count of what the ranks receive.
-    const bsv::Execution whole = bsv::filterExecution(this);
-    const bsv::Ranks& ranks = *whole.ranks;
-    const auto execution = [&](double first, double last) {
-      bsv::Execution run = bsv::filterExecution(this, first, last);
-      run.ranks = whole.ranks;
-      return run;
-    };
-
-    // The mesh.
-    std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
-    bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, bsv::filterExecution(this, 0.0, 0.3));
-    if (mesh.blocks.empty())
-    {
-      return;
-    }
-    bsv::requireMesh(meshGrids, ranks, "only meshes are converted");
-
-    double controlPoints = 0.0;
-    for (const bsv::MeshBlock& block : mesh.blocks)
-    {
-      const bsv::Ijk& counts = block.points.counts();
-      controlPoints += block.points.isHere() ? (counts[0] + 2.0) * (counts[1] + 2.0) * (counts[2] + 2.0) : 0.0;
-    }
-    bsv::requireMemory(controlPoints * BytesPerControlPoint, "the volume", "its control points");
-
-    // The body.
-    std::unique_ptr<const bsv::BodySurface> body;
-    vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
-    if (ranks.any(given != nullptr))
-    {
-      const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, ranks);
-      bsv::Execution alone = execution(0.0, 0.1);
-      alone.ranks = bsv::aloneRank();
-      body = std::make_unique<bsv::BodySurface>(patches, alone);
-    }
-
-    // Without names the body tells which faces are its wall.
-    const std::vector<std::array<int, 2>> found = body && this->BodyFaces.empty() && mesh.boundaryNames.empty()
-      ? bsv::facesOnBody(mesh, *body, execution(0.1, 0.1))
-      : std::vector<std::array<int, 2>>();
-    const std::vector<std::array<int, 2>>& bodyFaces = found.empty() ? this->BodyFaces : found;
-    const int selected = bodyFaces.empty() ? -1 : addBodyFaces(mesh, bodyFaces);
-
-    bsv::ConversionOptions options;
-    options.body = body.get();
-    std::vector<vtkSmartPointer<vtkDoubleArray>> surfaceData;
-    const auto surfaceArray = [&](std::size_t b, const char* name, int components) -> const double* {
-      if (!meshGrids[b])
-      {
-        return nullptr;
-      }
-      surfaceData.push_back(bsv::doublePointArray(meshGrids[b], name, components, mesh.blocks[b].name));
-      return surfaceData.back() ? surfaceData.back()->GetPointer(0) : nullptr;
-    };
-    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
-    {
-      options.projectedPoints.push_back(surfaceArray(b, "ProjectedPoint", 3));
-      options.surfaceNormals.push_back(surfaceArray(b, "SurfaceNormal", 3));
-      options.wallSpacingPoints.push_back(
-        this->WallSpacingArray.empty() ? nullptr : surfaceArray(b, this->WallSpacingArray.c_str(), 1));
-    }
-    ranks.nextStep();
-    for (std::size_t b = 0; b < mesh.blocks.size() && !this->ExtensionBlocks.empty(); ++b)
-    {
-      options.extensionBlocks.push_back(bsv::matchesAny(this->ExtensionBlocks, mesh.blocks[b].name));
-    }
-    if (!this->ExtensionBlocks.empty() &&
-      std::find(options.extensionBlocks.begin(), options.extensionBlocks.end(), true) == options.extensionBlocks.end())
-    {
-      throw bsv::Error("Extension Blocks are " + bsv::quotedList(this->ExtensionBlocks) +
-        ", but no block of the mesh has such a name; the first one is '" + mesh.blocks[0].name + "'");
-    }
-
-    // The complex.
-    bsv::BlockComplexOptions complexOptions;
-    complexOptions.matchTolerance = this->MatchTolerance;
-    complexOptions.allowDegenerate = this->AllowDegenerate;
-    complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;
-    bsv::CreaseRules creases;
-    creases.contrast = this->CreaseContrast;
-    for (std::size_t tag = 0; tag < mesh.boundaryNames.size(); ++tag)
-    {
-      creases.bodyTags.push_back(
-        static_cast<int>(tag) == selected || bsv::matchesAny(this->BodyBoundaries, mesh.boundaryNames[tag]));
-    }
-    if (body)
-    {
-      creases.bodyTurn = [&](const bsv::Vec3& x, double length) { return bsv::bodyTurn(*body, x, length); };
-    }
-
-    options.planarSides = static_cast<bsv::PlanarSides>(this->PlanarSides);
-    options.planarTolerance = this->PlanarTolerance;
-    options.twist = static_cast<bsv::Twist>(this->Twist);
-    options.wallSpacing = this->WallSpacing;
-    options.automaticWallSpacing = this->WallSpacingMode == AUTOMATIC_MODE;
-    options.farFieldSpacing = static_cast<bsv::FarFieldSpacing>(this->FarFieldSpacing);
-    options.propagationRange = this->PropagationRange;
-    options.checkSpans = static_cast<bsv::CheckSpans>(this->CheckSpans);
-    options.untangle = this->Untangle;
-
-    bsv::BodyFitOptions fit;
-    fit.body = options.body;
-    fit.tolerance = this->FitTolerance;
-    fit.iterations = this->FitIterations;
-    fit.range = this->PropagationRange;
-
-    const auto convertOnce = [&](Conversion& result, double first, double last) {
-      const auto part = [&](double from, double to) {
-        return execution(first + from * (last - first), first + to * (last - first));
-      };
-      bsv::BlockComplex& complex = result.complex;
-      complex = bsv::buildBlockComplex(mesh, complexOptions, creases, nullptr, part(0.0, 0.38));
-      const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, part(0.38, 0.42));
-      if (!this->AllowOpenInterior)
-      {
-        bsv::refuseSuspicious(mesh, diagnosis);
-      }
-      if (!found.empty())
-      {
-        complex.notes.push_back("wall found by the body: " + faceList(mesh, found));
-      }
-      for (const bsv::MeshFinding& finding : diagnosis.findings)
-      {
-        (finding.suspicious() ? complex.warnings : complex.notes).push_back(bsv::describe(mesh, finding));
-      }
-
-      // The conversion.
-      options.roles = bsv::boundaryRoles(complex, this->BodyBoundaries, this->SymmetryBoundaries);
-      for (std::size_t tag = 0; tag < options.roles.size(); ++tag)
-      {
-        const std::string& name = complex.boundaryNames[tag];
-        bsv::BoundaryRole& role = options.roles[tag];
-        role = this->BodySelection.has(name, role == bsv::BoundaryRole::Body)      ? bsv::BoundaryRole::Body
-          : this->SymmetrySelection.has(name, role == bsv::BoundaryRole::Symmetry) ? bsv::BoundaryRole::Symmetry
-                                                                                   : bsv::BoundaryRole::Other;
-      }
-      requireSameRoles(options.roles, complex.boundaryNames, ranks);
-      if (selected >= 0)
-      {
-        options.roles[selected] = bsv::BoundaryRole::Body;
-      }
-      options.boundaryWallSpacing.clear();
-      for (const std::string& name : complex.boundaryNames)
-      {
-        const auto found = std::find_if(this->BoundaryWallSpacings.begin(), this->BoundaryWallSpacings.end(),
-          [&](const auto& entry) { return bsv::matchesAny({ entry.first }, name); });
-        options.boundaryWallSpacing.push_back(
-          found == this->BoundaryWallSpacings.end() ? std::numeric_limits<double>::quiet_NaN() : found->second);
-      }
-      options.continuity = static_cast<bsv::Continuity>(this->Continuity);
-      const bsv::EntityRules rules = bsv::classify(complex, options, part(0.42, 0.42));
-      result.wallPoints =
-        takeWallPoints(complex, options, rules, this->InputPoints, this->BodyBoundaries, fit, part(0.42, 0.55));
-
-      // Control nets of blocks on other ranks stay null.
-      std::vector<bsv::ControlNetStorage> storage(complex.blocks.size());
-      result.nets.resize(complex.blocks.size());
-      result.knots = bsv::conversionKnots(complex, options);
-      for (std::size_t b = 0; b < complex.blocks.size(); ++b)
-      {
-        if (complex.blocks[b].rank == ranks.rank())
-        {
-          result.nets[b] = controlNet(complex.blocks[b], result.knots[b], storage[b]);
-        }
-      }
-      // The wall may fold over its layers if it is followed exactly: shares of the displacements are lowered above
-      // failing spans until these are valid. What exact joins change comes after that.
-      const auto convert = [&](bool repair, bool singleKnots) {
-        bsv::ConversionOptions chosen = options;
-        chosen.repairSpans = repair;
-        if (singleKnots)
-        {
-          chosen.setSingleKnots();
-        }
-        result.counts = bsv::convertToBSplineVolume(complex, chosen, storage, part(0.55, 1.0), &rules);
-      };
-      const bsv::BlockComplex unfitted = complex;
-      const auto fitted = [&] {
-        complex = unfitted;
-        if (result.wallPoints.fit)
-        {
-          bsv::applyFit(complex, rules, *result.wallPoints.fit, result.shares, part(0.55, 0.55));
-        }
-      };
-      fitted();
-      const bool rounds = result.wallPoints.onBody && this->RepairSpans && this->CheckSpans != CHECK_NONE;
-      const auto& left = result.counts.spans.left;
-      if (rounds)
-      {
-        constexpr int MaxRounds = 30;
-        convert(false, true);
-        for (int round = 0; round <= MaxRounds && !left.empty(); ++round)
-        {
-          if (!bsv::lowerShares(
-                unfitted, rules, *result.wallPoints.fit, left, round < MaxRounds ? 0.9 : 0.0, result.shares, ranks))
-          {
-            break;
-          }
-          fitted();
-          convert(false, true);
-        }
-      }
-      if (!rounds || !left.empty() || options.continuity != bsv::Continuity::SingleKnots)
-      {
-        convert(this->RepairSpans, false);
-      }
-      result.motion = bsv::wallMotion(unfitted, complex, options, rules, part(1.0, 1.0));
-      if (this->CreasesInsideBlocks == REPEATED_KNOTS)
-      {
-        joinBlocks(result, storage, part(1.0, 1.0));
-      }
-    };
-    const double end = this->CheckJoins ? 0.8 : 1.0;
-    Conversion result;
-    convertOnce(result, 0.1, end);
-    // A sharp edge, taken as smooth, can be rounded by more than the layers above it are thick. No point inside mends
-    // that; a crease does.
-    std::string creaseText;
-    if (this->RepairSpans && !this->UseCreaseAngle && !result.counts.spans.left.empty())
-    {
-      complexOptions.creaseAngle = this->CreaseAngle;
-      Conversion other;
-      bool converted = true;
-      try
-      {
-        ranks.together([&] { convertOnce(other, end, end); });
-      }
-      catch (const bsv::Aborted&)
-      {
-        throw;
-      }
-      catch (const bsv::Error&)
-      {
-        converted = false;
-      }
-      if (converted && other.counts.spans.left.size() < result.counts.spans.left.size())
-      {
-        creaseText = "without creases " + std::to_string(result.counts.spans.left.size()) +
-          " spans are not valid: boundary edges that turn by more than " + bsv::shortNumber(this->CreaseAngle) +
-          " degrees (Crease Angle, Crease Contrast) were taken as creases, " +
-          std::to_string(other.counts.spans.left.size()) + " such spans are left; " +
-          std::to_string(result.complex.blocks.size()) + " blocks became " +
-          std::to_string(other.complex.blocks.size());
-        result = std::move(other);
-      }
-    }
-    const bsv::BlockComplex& complex = result.complex;
-    const std::vector<std::array<std::vector<double>, 3>>& knots = result.knots;
-    const bsv::ConversionReport& counts = result.counts;
-    const WallPoints& wallPoints = result.wallPoints;
-    std::vector<std::string> names;
-    for (const bsv::ComplexBlock& block : complex.blocks)
-    {
-      names.push_back(block.name);
-    }
-
-    const std::vector<bsv::Index> received = ranks.gatherAll(std::vector<bsv::Index>{ ranks.receivedBytes() });
-
-    // The output.
-    bsv::setBlocks(output, result.nets, names, "BSplineVolume");
-    setContacts(output, complex);
-    // The pipeline passes on that of the input, in mesh points of blocks that may have been cut.
-    bsv::setCreases(output->GetFieldData(), creasesOfNets(mesh.creases, complex, knots));
-    vtkNew<vtkStringArray> ruleNames;
-    ruleNames->SetName("ControlPointRuleNames");
-    for (const std::string& name : bsv::controlPointRuleNames())
-    {
-      ruleNames->InsertNextValue(name);
-    }
-    output->GetFieldData()->AddArray(ruleNames);
-
-    const bsv::EntityClasses classes = bsv::classifyEntities(complex);
-    this->NumberOfInputBlocks = static_cast<int>(mesh.blocks.size());
-    this->NumberOfBlocks = static_cast<int>(complex.blocks.size());
-    this->NumberOfExtraordinaryEdges = static_cast<int>(classes.extraordinaryEdges);
-    this->NumberOfSingularNodes = static_cast<int>(counts.singularNodes);
-    for (std::size_t rule = 0; rule < counts.controlPoints.size(); ++rule)
-    {
-      this->ControlPointsPerRule->SetValue(static_cast<vtkIdType>(rule), counts.controlPoints[rule]);
-      this->NumberOfControlPoints += counts.controlPoints[rule];
-    }
-    this->NumberOfCheckedSpans = counts.spans.checked;
-    this->NumberOfRepairedSpans = counts.spans.repaired;
-    this->NumberOfInvalidSpans = counts.spans.invalid;
-    this->NumberOfUndecidedSpans = counts.spans.undecided;
-    this->ReceivedBytes = received[ranks.rank()];
-
-    // The verdict.
-    vtkNew<vtkIntArray> roles;
-    roles->SetName("BoundaryRoles");
-    std::vector<bool> wall;
-    for (std::size_t tag = 0; tag < complex.boundaryNames.size(); ++tag)
-    {
-      roles->InsertNextValue(static_cast<int>(options.roles[tag]));
-      wall.push_back(options.roles[tag] == bsv::BoundaryRole::Body);
-    }
-    output->GetFieldData()->AddArray(roles);
-    std::vector<std::string> lines;
-    if (this->CheckJoins)
-    {
-      lines = bsv::joinSentences(bsv::joinVerdict(output, wall, execution(0.8, 1.0)));
-    }
-    else
-    {
-      lines.emplace_back("Watertight: blocks share their control points; joins not measured (Check Joins)");
-    }
-    // At knots and between them: interpolation can overshoot where spacing changes.
-    for (std::string& sentence : wallSentences(wallPoints, options.body != nullptr,
-           options.body ? wallDistance(result, options, *options.body, execution(0.8, 0.8)) : bsv::BodyDistance{}))
-    {
-      lines.push_back(std::move(sentence));
-    }
-    if (counts.spans.checked > 0)
-    {
-      const bsv::Index bad = counts.spans.invalid + counts.spans.invalidCells;
-      lines.push_back("Spans: " + std::to_string(counts.spans.checked) + " checked, " +
-        (bad + counts.spans.undecided == 0
-            ? std::string("all valid")
-            : std::to_string(bad) + " invalid, " + std::to_string(counts.spans.undecided) + " undecided"));
-    }
-    else
-    {
-      lines.emplace_back("Spans: not checked (Check Spans)");
-    }
-    if (complex.tangledCells > 0)
-    {
-      lines.push_back("Borderline: " + std::to_string(complex.tangledCells) + " tangled cells in the mesh");
-    }
-    std::string verdictText;
-    for (const std::string& line : lines)
-    {
-      verdictText += line + '\n';
-    }
-    bsv::setText(verdict, verdictText.substr(0, verdictText.size() - 1));
-    this->Report = verdictText + reportText(complex, classes, options, wallPoints, counts, knots) +
-      (creaseText.empty() ? "" : creaseText + '\n') + shareText(result.shares) +
-      motionText(result.motion, wallPoints.onBody) + spanText(complex, options, counts.spans) +
-      rankText(complex, received);
-    std::vector<std::string> warnings = complex.warnings;
-    if (!creaseText.empty())
-    {
-      warnings.push_back(creaseText);
-    }
-    if (!counts.spans.left.empty())
-    {
-      const bsv::SpanReport::Place& first = counts.spans.left.front();
-      warnings.push_back(std::to_string(counts.spans.left.size()) +
-        " spans are not valid although their mesh cells are, the first in block '" + complex.blocks[first.block].name +
-        "', cell (" + triple(", ", first.cell[0], first.cell[1], first.cell[2]) + "); see the report");
-    }
-    bsv::warn(this, warnings);
-    bsv::warn(this,
-      bsv::uselessPatterns("Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), complex.boundaryNames,
-        complex.boundaryTypes));
-    bsv::warn(this,
-      bsv::uselessPatterns("Symmetry Boundaries", this->SymmetryBoundaries, bsv::defaultSymmetryBoundaries(),
-        complex.boundaryNames, complex.boundaryTypes));
-    for (const auto& entry : this->BoundaryWallSpacings)
-    {
-      bsv::warn(this,
-        bsv::uselessPatterns(
-          "Boundary Wall Spacing", { entry.first }, {}, complex.boundaryNames, complex.boundaryTypes));
-    }
+    Request request(*this);
+    request(input, vtkDataObject::GetData(inputVector[1], 0), output, verdict);
   });
 }
 

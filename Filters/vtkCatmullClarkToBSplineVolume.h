@@ -478,6 +478,8 @@ private:
 
   void ResetReport();
 
+  class Request;
+
   int InputPoints = AUTOMATIC;
   double FitTolerance = 1e-13;
   int FitIterations = 200;
