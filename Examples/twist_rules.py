@@ -15,7 +15,7 @@ from paraview import simple as pv
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 
-from example_support import (body_case_arguments, body_patches, body_viewpoint, bounds, color_range, convert, data,
+from example_support import (body_case_arguments, body_patches, bounds, color_range, convert, data,
                              look, parser, producer, read_body_case, save, show, surface, views)
 
 HEIGHT = 900
@@ -31,6 +31,7 @@ RULES = (("thesis formulas (Literal)", {"Twist": "Literal"}),
 def parse_arguments():
     arguments = parser(__doc__.split("\n")[0], "twist_rules.png")
     body_case_arguments(arguments)
+    arguments.set_defaults(zoom=3.0)
     return arguments.parse_args()
 
 
@@ -56,7 +57,7 @@ def main():
     mesh, body = read_body_case(arguments)
     layout, windows = views([name for name, _ in RULES], HEIGHT, rows=2)
     print("%-28s %12s %12s %12s %9s" % ("rule", "jump, deg", "distance", "RMS", "seconds"))
-    towards = arguments.towards
+    towards, place = arguments.towards, arguments.look_at
     for (name, properties), view in zip(RULES, windows):
         start = time.perf_counter()
         volume = convert(mesh, arguments, Body=body, **properties)
@@ -66,15 +67,19 @@ def main():
         borders = pv.Threshold(Input=pv.OutputPort(smoothness, 3), Scalars=["CELLS", "Kind"], LowerThreshold=1,
                                UpperThreshold=1)
         jumps = vtk_to_numpy(data(borders).GetPointData().GetArray("NormalJump"))
+        # All rules where the first one is roughest.
+        place = place or data(borders).GetPoint(int(jumps.argmax()))
         measured = pv.BodyDeviation(Input=volume, Body=body)
         measured.UpdatePipeline()
         measured.UpdatePropertyInformation()
         print("%-28s %12.3g %12.3g %12.3g %9.2f" % (name, jumps.max(), measured.MaximumDistance, measured.RMSDistance,
                                                   seconds))
-        towards = towards or list(body_viewpoint(body_patches(data(volume), patterns)))
+        wall = np.concatenate([patch.points.reshape(-1, 3) for patch in body_patches(data(volume), patterns)])
+        # From outside, above the place.
+        towards = towards or list(np.asarray(place) - wall.mean(axis=0))
         stripes = zebra(volume, patterns, towards)
         show(stripes, view, array=("POINTS", "Zebra"))
-        look(view, bounds(stripes), towards, zoom=arguments.zoom, center=arguments.look_at)
+        look(view, bounds(stripes), towards, zoom=arguments.zoom, center=place)
     colors = pv.GetColorTransferFunction("Zebra")
     colors.RGBPoints = [0.0, 0.1, 0.1, 0.1, 1.0, 0.95, 0.95, 0.95]
     color_range("Zebra", 0.0, 1.0)
