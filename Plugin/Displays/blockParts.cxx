@@ -36,6 +36,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -1122,7 +1123,7 @@ void volumeParts(BlockParts& parts, vtkDataObject* input, const BlockPartsOption
         const int d = faceAxis(face.face, axis);
         const int count = block.count(d) - (cell ? 1 : 0);
         const double part = last[axis] - (cell ? 1 : 0) > 0 ? double(here2[axis]) / (last[axis] - (cell ? 1 : 0)) : 0.0;
-        ijk[d] = std::min(count - 1, static_cast<int>(part * (count - 1) + 0.5));
+        ijk[d] = std::min(count - 1, static_cast<int>(std::lround(part * (count - 1))));
       }
       const int across = faceDirection(face.face);
       const int less = cell ? 1 : 0;

@@ -57,6 +57,11 @@ def main(cmake, build, plugin_folder):
 
         pvpython(CHECK, PYTHONPATH=place)
         pvpython(BY_ITSELF, PV_PLUGIN_PATH=place)
+        # The command finds its package from where it lies.
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        command = subprocess.run([os.path.join(moved, "bin", "bsplinevolume"), "formats"], check=True, env=environment,
+                                 stdout=subprocess.PIPE, text=True)
+        assert ".qfmb" in command.stdout, command.stdout
         # As in another ParaView, the plugin itself cannot be opened.
         for name in os.listdir(place):
             if name.startswith("BSplineVolume.pv"):
