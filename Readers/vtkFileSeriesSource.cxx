@@ -192,7 +192,7 @@ void vtkFileSeriesSource::SetTime(vtkDataObject* output, const Step& step)
 //------------------------------------------------------------------------------
 std::string vtkFileSeriesSource::FirstFile(const char* fileName)
 {
-  const std::string name = fileName ? fileName : "";
+  std::string name = fileName ? fileName : "";
   try
   {
     return bsv::isSeriesList(name) ? bsv::readSeriesList(name).front().name : name;

@@ -38,7 +38,7 @@ std::string formatOrError(const std::string& fileName)
   std::string head(4096, '\0');
   stream.read(&head[0], static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(stream.gcount()));
-  const std::string format = formatOfCADText(head);
+  std::string format = formatOfCADText(head);
   if (!format.empty())
   {
     return format;

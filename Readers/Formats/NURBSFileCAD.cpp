@@ -915,7 +915,7 @@ int faceCount(const TopoDS_Shape& shape)
 using HiddenFaces = std::unordered_set<const TopoDS_TShape*>;
 
 /// Adds the faces of an item that a STEP file hides.
-void addInvisible(STEPControl_Reader& reader, StepVisual_InvisibleItem item, HiddenFaces& hidden)
+void addInvisible(STEPControl_Reader& reader, const StepVisual_InvisibleItem& item, HiddenFaces& hidden)
 {
   const auto add = [&](const Handle(Standard_Transient) & entity) {
     const TopoDS_Shape shape = entity.IsNull() ? TopoDS_Shape() : reader.WS()->TransferReader()->ShapeResult(entity);

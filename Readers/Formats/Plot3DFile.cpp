@@ -1478,7 +1478,7 @@ Plot3DLayout plot3DLayout(const std::string& fileName, const Plot3DOptions& opti
   InputFile file(fileName);
   refuseEncodings(file);
   const bool ascii = options.format == Plot3DFormat::Automatic ? isText(file) : options.format == Plot3DFormat::Ascii;
-  const Plot3DLayout layout = ascii ? asciiLayout(file, options, run) : binaryLayout(file, options, run);
+  Plot3DLayout layout = ascii ? asciiLayout(file, options, run) : binaryLayout(file, options, run);
   for (std::size_t b = 0; b < layout.counts.size(); ++b)
   {
     const Ijk& counts = layout.counts[b];

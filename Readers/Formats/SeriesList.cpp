@@ -106,7 +106,7 @@ public:
   {
     this->next();
     const std::size_t end = std::min(this->Text.find_first_of(" \t\r\n,:[]{}\"", this->At), this->Text.size());
-    const std::string result = this->Text.substr(this->At, end - this->At);
+    std::string result = this->Text.substr(this->At, end - this->At);
     this->At = end;
     return result;
   }

@@ -303,9 +303,8 @@ private:
         this->Corners.unite(this->corner(side, 0), this->corner(side, 1));
       }
     }
-    for (std::size_t j = 0; j < this->Joins.size(); ++j)
+    for (const PatchJoin& join : this->Joins)
     {
-      const PatchJoin& join = this->Joins[j];
       const int a = 4 * join.patch[0] + join.side[0];
       const int b = 4 * join.patch[1] + join.side[1];
       for (int end = 0; end < 2; ++end)

@@ -281,7 +281,7 @@ TEST(ClosestPoint, EmptyAndWrongBodies)
   wrong.weights[4] = -1.0;
   try
   {
-    BodySurface({ { "good", sphere(1.0), {}, false }, { "nose", wrong, {}, false } });
+    const BodySurface refused({ { "good", sphere(1.0), {}, false }, { "nose", wrong, {}, false } });
     FAIL();
   }
   catch (const Error& error)

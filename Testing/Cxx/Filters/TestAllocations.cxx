@@ -182,7 +182,7 @@ algorithms::Told runCounted(vtkAlgorithm* algorithm, long which)
   allocations = 0;
   failing = which;
   counting = true;
-  const auto told = algorithms::run(algorithm);
+  auto told = algorithms::run(algorithm);
   counting = false;
   failing = 0;
   return told;

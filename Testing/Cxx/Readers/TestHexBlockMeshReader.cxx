@@ -153,9 +153,9 @@ TEST(HexBlockMeshReader, FindsEveryPlot3DLayout)
     expectSamePoints(mesh, found.mesh, kind.isFloat, kind.name());
     EXPECT_EQ(reading.reader->GetFileLayout(), "PLOT3D, " + kind.name());
     EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile(file.c_str()), 1) << kind.name();
-    for (std::size_t b = 0; b < found.grids.size(); ++b)
+    for (const auto& grid : found.grids)
     {
-      auto* iblank = vtkIntArray::SafeDownCast(found.grids[b]->GetPointData()->GetArray("IBlank"));
+      auto* iblank = vtkIntArray::SafeDownCast(grid->GetPointData()->GetArray("IBlank"));
       ASSERT_EQ(iblank != nullptr, kind.iblank) << kind.name();
       for (vtkIdType p = 0; iblank && p < iblank->GetNumberOfTuples(); ++p)
       {

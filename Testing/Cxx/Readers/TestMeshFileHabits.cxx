@@ -799,7 +799,7 @@ void writeHexZones(const MeshCase& mesh, const std::string& fileName, HexZoneWay
   for (const MeshCase::Block& block : mesh.blocks)
   {
     const Ijk& n = block.counts;
-    const auto point = [&](int i, int j, int k) { return static_cast<cgsize_t>(1 + i + n[0] * (j + n[1] * k)); };
+    const auto point = [&](int i, int j, int k) { return cgsize_t(1) + i + cgsize_t(n[0]) * (j + n[1] * k); };
     std::vector<cgsize_t> cells;
     std::vector<cgsize_t> quads;
     std::vector<cgsize_t> mixed;

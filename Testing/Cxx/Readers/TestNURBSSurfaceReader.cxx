@@ -110,7 +110,7 @@ std::string refused(const std::string& fileName)
   EXPECT_EQ(reading.errors.size(), 1u) << fileName;
   EXPECT_NE(reading.reader->GetErrorCode(), static_cast<unsigned long>(vtkErrorCode::NoError)) << fileName;
   EXPECT_EQ(reading.output->GetNumberOfPartitionedDataSets(), 0u) << fileName;
-  const std::string error = reading.errors.empty() ? "" : reading.errors[0];
+  std::string error = reading.errors.empty() ? "" : reading.errors[0];
   EXPECT_NE(error.find(fileName), std::string::npos) << error;
   return error;
 }

@@ -239,7 +239,8 @@ TEST(BodyPropagation, ThinLayersStayValid)
       std::printf("%s, first layer %.0e edge lengths: spans not proven valid %lld of %lld with propagation, %lld "
                   "without\n",
         valenceFive ? "valences 3 and 5" : "valence 3", first, static_cast<long long>(with.others),
-        static_cast<long long>(with.valid + with.others), static_cast<long long>(without.others));
+        static_cast<long long>(with.valid) + static_cast<long long>(with.others),
+        static_cast<long long>(without.others));
       EXPECT_EQ(with.others, 0);
       foldedWithout += without.others;
     }

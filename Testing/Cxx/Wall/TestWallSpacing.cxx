@@ -151,7 +151,8 @@ MeshCase plate(int cells, const std::vector<double>& heights, const Map& map = {
   for (int b = 0; b < 4; ++b)
   {
     mesh.add({ cells, cells, int(heights.size()) - 1 }, [&](const Ijk& p) {
-      const Vec3 x(2.0 * (b % 2) + 2.0 * p[0] / cells, 2.0 * (b / 2) + 2.0 * p[1] / cells, heights[p[2]]);
+      const int row = b / 2;
+      const Vec3 x(2.0 * (b % 2) + 2.0 * p[0] / cells, 2.0 * row + 2.0 * p[1] / cells, heights[p[2]]);
       return map ? map(x) : x;
     });
     mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { cells, cells } }, b % 2 });
@@ -588,7 +589,7 @@ TEST(WallSpacing, SameBitsOnAnyRanks)
 {
   const auto check = [](MeshCase& mesh, const ConversionOptions& options, const bsv::WallSpacingOptions& wall) {
     const bsv::BlockMesh whole = mesh.mesh();
-    const bsv::WallSpacingResult serial = bsv::wallSpacing(whole, bsv::buildBlockComplex(whole), options, wall);
+    bsv::WallSpacingResult serial = bsv::wallSpacing(whole, bsv::buildBlockComplex(whole), options, wall);
     for (int size = 2; size <= 5; ++size)
     {
       std::mt19937 random(size);

@@ -79,7 +79,7 @@ struct Writing
 vtkSmartPointer<vtkPartitionedDataSetCollection> volumeData(const std::vector<Block>& blocks,
   const std::function<std::string(int, int)>& name, const std::vector<Interface>* interfaces = nullptr)
 {
-  const auto collection = vtkSmartPointer<vtkPartitionedDataSetCollection>::New();
+  auto collection = vtkSmartPointer<vtkPartitionedDataSetCollection>::New();
   std::vector<std::string> names;
   std::vector<BoundaryPatch> boundaries;
   for (std::size_t b = 0; b < blocks.size(); ++b)
