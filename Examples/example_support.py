@@ -310,6 +310,13 @@ def legend(array, view, text, location="Lower Right Corner", **properties):
     return bar
 
 
+def hide_legends(windows):
+    """Of views whose colours say nothing in numbers."""
+    for view in windows:
+        for bar in [r for r in view.Representations if "ScalarBar" in r.GetXMLName()]:
+            bar.Visibility = 0
+
+
 def viridis(array):
     """Colours an array from violet to yellow."""
     # The preset's name in ParaView 5 and 6: one does nothing with the other's, or raises an error.

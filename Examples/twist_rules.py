@@ -15,7 +15,7 @@ from paraview import simple as pv
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 
-from example_support import (body_case_arguments, body_patches, bounds, color_range, convert, data,
+from example_support import (body_case_arguments, body_patches, bounds, color_range, convert, data, hide_legends,
                              look, parser, producer, read_body_case, save, show, surface, views)
 
 HEIGHT = 900
@@ -74,18 +74,16 @@ def main():
         measured.UpdatePropertyInformation()
         print("%-28s %12.3g %12.3g %12.3g %9.2f" % (name, jumps.max(), measured.MaximumDistance, measured.RMSDistance,
                                                   seconds))
-        wall = np.concatenate([patch.points.reshape(-1, 3) for patch in body_patches(data(volume), patterns)])
-        # From outside, above the place.
-        towards = towards or list(np.asarray(place) - wall.mean(axis=0))
+        if towards is None:  # from outside, above the place
+            wall = np.concatenate([patch.points.reshape(-1, 3) for patch in body_patches(data(volume), patterns)])
+            towards = list(np.asarray(place) - wall.mean(axis=0))
         stripes = zebra(volume, patterns, towards)
         show(stripes, view, array=("POINTS", "Zebra"))
         look(view, bounds(stripes), towards, zoom=arguments.zoom, center=place)
     colors = pv.GetColorTransferFunction("Zebra")
     colors.RGBPoints = [0.0, 0.1, 0.1, 0.1, 1.0, 0.95, 0.95, 0.95]
     color_range("Zebra", 0.0, 1.0)
-    for view in windows:
-        for bar in [r for r in view.Representations if "ScalarBar" in r.GetXMLName()]:
-            bar.Visibility = 0
+    hide_legends(windows)
     save(arguments.output, layout, HEIGHT)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reflection lines over extraordinary vertices of the wall: single knots beside exact G1.
 
-Sample run (drawing needs a display; without one it starts its own):
+Sample run (without a display it starts one in memory):
     pvpython Examples/zebra.py
 
 Above, the leading edge at the tip of the wing-fuselage source's wing; below, an L-shaped body, where five blocks meet in the corner. Where the
@@ -15,8 +15,8 @@ import numpy as np
 from paraview import simple as pv
 from vtkmodules.util.numpy_support import numpy_to_vtk
 
-from example_support import (Patch, body_patches, bounds, data, load_plugin, look, parser, producer, save, show, surface,
-                             views)
+from example_support import (Patch, body_patches, bounds, data, hide_legends, load_plugin, look, parser, producer, save,
+                             show, surface, views)
 
 HEIGHT = 900
 STRIPE = 2.0  # degrees
@@ -125,9 +125,7 @@ def main():
     edge = 0.05 * STRIPE
     colors.RGBPoints = [number for n in range(int(180 / STRIPE)) for at in (n * STRIPE + edge, (n + 1) * STRIPE - edge)
                         for number in (at, *3 * [0.95 if n % 2 else 0.1])]
-    for view in windows:
-        for bar in [r for r in view.Representations if "ScalarBar" in r.GetXMLName()]:
-            bar.Visibility = 0
+    hide_legends(windows)
     save(arguments.output, layout, HEIGHT)
 
 

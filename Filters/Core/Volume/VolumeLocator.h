@@ -26,9 +26,10 @@ struct VolumePlace
 
 /// Finds points in volumes by exclusion and Newton's method.
 ///
-/// A span lies in the box of its Bezier points. Spans whose box does not hold the point are excluded, which is a proof;
-/// in the others Newton's method starts from the middle. Where it fails, the span is halved in all directions and its
-/// parts are treated likewise, at most MaximumHalvings times. A result depends on the point and the volumes alone.
+/// A span lies in the boxes of its Bezier points, along the axes and along its own directions. Spans of which one does
+/// not hold the point are excluded, which is a proof; in the others Newton's method starts from the middle. Where it
+/// fails, the span is halved in all directions and its parts are treated likewise, at most MaximumHalvings times. A
+/// result depends on the point and the volumes alone.
 class VolumeLocator
 {
 public:

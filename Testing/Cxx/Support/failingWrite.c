@@ -2,7 +2,7 @@
 /* A disk that gets full, or a crash, while a program writes: preloaded (LD_PRELOAD), the write to a file whose number
    BSV_FAILING_WRITE names fails, and all after it; or the program ends there, if BSV_CRASHING_WRITE names it. Numbers
    count from 1, in the second case writes to pipes, too. */
-#define _GNU_SOURCE
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier): the C library asks for it */
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdlib.h>
