@@ -224,6 +224,32 @@ def surface(patches):
     return producer(mesh)
 
 
+def wall_angles(volume, light, center=None, radius=np.inf):
+    """The wall, or what is near a point of it, finely sampled, with the angle between its normals and a direction in
+    degrees. The normals of each patch are its own, so that nothing is smoothed across the borders of patches."""
+    light = np.asarray(light) / np.linalg.norm(light)
+    patches, values = [], []
+    for patch in body_patches(data(pv.BSplineVolumeSampler(Input=volume, Level=4)), list(volume.BodyBoundaries)):
+        box = np.s_[:, :]
+        if center is not None:
+            inside = np.linalg.norm(patch.points - center, axis=-1) < radius
+            if not inside.any():
+                continue
+            near = [np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0)]
+            box = tuple(slice(n[0], n[-1] + 1) for n in near)
+        normals = np.cross(*(np.gradient(patch.points, axis=axis, edge_order=2) for axis in (1, 0)))
+        normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+        # Into the mesh; those of the patch go out of it.
+        sense = -np.sign(np.sum(normals[:-1, :-1].reshape(-1, 3) * patch.normals))
+        values.append(np.degrees(np.arccos(np.clip(sense * (normals @ light), -1.0, 1.0)))[box].ravel())
+        patches.append(Patch(patch.name, patch.points[box], None, patch.normals))
+    wall = data(surface(patches))
+    array = numpy_to_vtk(np.concatenate(values), deep=True)
+    array.SetName("Angle")
+    wall.GetPointData().AddArray(array)
+    return producer(wall)
+
+
 # ---------------------------------------------------------------------------------------------- views
 def rgb(text):
     return [int(text[i:i + 2], 16) / 255.0 for i in (1, 3, 5)]
@@ -310,8 +336,13 @@ def legend(array, view, text, location="Lower Right Corner", **properties):
     return bar
 
 
-def hide_legends(windows):
-    """Of views whose colours say nothing in numbers."""
+def stripes(windows, width):
+    """Colours "Angle" in stripes of so many degrees, without a legend."""
+    colors = pv.GetColorTransferFunction("Angle")
+    colors.Discretize = 0
+    edge = 0.05 * width
+    colors.RGBPoints = [number for n in range(int(180 / width)) for at in (n * width + edge, (n + 1) * width - edge)
+                        for number in (at, *3 * [0.95 if n % 2 else 0.1])]
     for view in windows:
         for bar in [r for r in view.Representations if "ScalarBar" in r.GetXMLName()]:
             bar.Visibility = 0

@@ -12,14 +12,13 @@ import time
 
 import numpy as np
 from paraview import simple as pv
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from example_support import (body_case_arguments, body_patches, bounds, color_range, convert, data, hide_legends,
-                             look, parser, producer, read_body_case, save, show, surface, views)
+from example_support import (body_case_arguments, body_patches, bounds, convert, data, look, parser, read_body_case, save,
+                             show, stripes, views, wall_angles)
 
 HEIGHT = 900
-STRIPES = 40.0
+STRIPE = 4.5  # degrees
 RULES = (("thesis formulas (Literal)", {"Twist": "Literal"}),
          ("Parallelogram", {"Twist": "Parallelogram"}),
          ("ACC", {"Twist": "ACC"}),
@@ -33,23 +32,6 @@ def parse_arguments():
     body_case_arguments(arguments)
     arguments.set_defaults(zoom=3.0)
     return arguments.parse_args()
-
-
-def zebra(volume, patterns, towards):
-    """The sampled wall with stripes by the angle between its normal and a direction."""
-    wall = data(surface(body_patches(data(pv.BSplineVolumeSampler(Input=volume, Level=4)), patterns)))
-    normals = vtkPolyDataNormals()
-    normals.SetInputData(wall)
-    normals.SplittingOff()
-    normals.ConsistencyOff()
-    normals.Update()
-    result = normals.GetOutput()
-    n = vtk_to_numpy(result.GetPointData().GetNormals())
-    angles = np.arccos(np.clip(n @ (np.asarray(towards) / np.linalg.norm(towards)), -1.0, 1.0))
-    stripes = numpy_to_vtk(0.5 + 0.5 * np.tanh(6.0 * np.sin(STRIPES * angles)), deep=True)
-    stripes.SetName("Zebra")
-    result.GetPointData().AddArray(stripes)
-    return producer(result)
 
 
 def main():
@@ -77,13 +59,10 @@ def main():
         if towards is None:  # from outside, above the place
             wall = np.concatenate([patch.points.reshape(-1, 3) for patch in body_patches(data(volume), patterns)])
             towards = list(np.asarray(place) - wall.mean(axis=0))
-        stripes = zebra(volume, patterns, towards)
-        show(stripes, view, array=("POINTS", "Zebra"))
-        look(view, bounds(stripes), towards, zoom=arguments.zoom, center=place)
-    colors = pv.GetColorTransferFunction("Zebra")
-    colors.RGBPoints = [0.0, 0.1, 0.1, 0.1, 1.0, 0.95, 0.95, 0.95]
-    color_range("Zebra", 0.0, 1.0)
-    hide_legends(windows)
+        wall = wall_angles(volume, towards)
+        show(wall, view, array=("POINTS", "Angle"))
+        look(view, bounds(wall), towards, zoom=arguments.zoom, center=place)
+    stripes(windows, STRIPE)
     save(arguments.output, layout, HEIGHT)
 
 

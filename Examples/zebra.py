@@ -13,10 +13,9 @@ import tempfile
 
 import numpy as np
 from paraview import simple as pv
-from vtkmodules.util.numpy_support import numpy_to_vtk
 
-from example_support import (Patch, body_patches, bounds, data, hide_legends, load_plugin, look, parser, producer, save,
-                             show, surface, views)
+from example_support import (body_patches, bounds, data, load_plugin, look, parser, save, show, stripes, surface, views,
+                             wall_angles)
 
 HEIGHT = 900
 STRIPE = 2.0  # degrees
@@ -64,28 +63,6 @@ def write_l_shape(folder, cells=4, layers=4):
     return path
 
 
-def wall_angles(volume, center, towards, light, radius):
-    """The wall near a point, finely sampled, with the angles between its normals and a direction. The normals of each
-    patch are its own, so that nothing is smoothed across the borders of patches."""
-    patches, values = [], []
-    for patch in body_patches(data(pv.BSplineVolumeSampler(Input=volume, Level=4)), list(volume.BodyBoundaries)):
-        inside = np.linalg.norm(patch.points - center, axis=-1) < radius
-        if not inside.any():
-            continue
-        near = [np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0)]
-        box = tuple(slice(n[0], n[-1] + 1) for n in near)
-        normals = np.cross(*(np.gradient(patch.points, axis=axis, edge_order=2) for axis in (1, 0)))
-        normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-        sense = np.sign(np.mean(normals @ towards))
-        values.append(np.degrees(np.arccos(np.clip(sense * (normals @ light), -1.0, 1.0)))[box].ravel())
-        patches.append(Patch(patch.name, patch.points[box], None, patch.normals))
-    wall = data(surface(patches))
-    array = numpy_to_vtk(np.concatenate(values), deep=True)
-    array.SetName("Angle")
-    wall.GetPointData().AddArray(array)
-    return producer(wall)
-
-
 def extraordinary_points(volume):
     points = [patch.points[patch.rules == RULE] for patch in body_patches(data(volume), list(volume.BodyBoundaries))]
     return np.concatenate(points)
@@ -117,15 +94,9 @@ def main():
             # Light from a direction along which the stripes cross the vertex.
             light = np.cross(towards, (0.3, -0.2, 1.0))
             view = next(views_of)
-            wall = wall_angles(volume, center, towards, light / np.linalg.norm(light), radius)
-            show(wall, view, array=("POINTS", "Angle"))
+            show(wall_angles(volume, light, center, radius), view, array=("POINTS", "Angle"))
             look(view, np.stack([center - radius, center + radius], axis=1).ravel(), towards, zoom=zoom)
-    colors = pv.GetColorTransferFunction("Angle")
-    colors.Discretize = 0
-    edge = 0.05 * STRIPE
-    colors.RGBPoints = [number for n in range(int(180 / STRIPE)) for at in (n * STRIPE + edge, (n + 1) * STRIPE - edge)
-                        for number in (at, *3 * [0.95 if n % 2 else 0.1])]
-    hide_legends(windows)
+    stripes(windows, STRIPE)
     save(arguments.output, layout, HEIGHT)
 
 
