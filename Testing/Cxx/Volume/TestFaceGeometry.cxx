@@ -164,7 +164,8 @@ TEST(FaceGeometry, BothSidesOfARepeatedKnot)
   for (int n = 0; n < volume.count(0) * volume.count(1) * 2; ++n)
   {
     const int a = n % volume.count(0), b = n / volume.count(0) % volume.count(1);
-    points.insert(points.end(), { a + noise(random), b + noise(random), n / volume.count(0) / volume.count(1) + 0.0 });
+    const int c = n / volume.count(0) / volume.count(1);
+    points.insert(points.end(), { a + noise(random), b + noise(random), double(c) });
   }
   volume.points = points.data();
   const FaceGeometry whole = faceGeometry(volume, 4, 2, {}, 0, true);
