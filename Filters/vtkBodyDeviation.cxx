@@ -38,6 +38,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -483,7 +484,15 @@ Totals bodySamples(vtkPolyData* surface, int owner, const bsv::BodySurface& body
     totals[0] =
       samples.total({ 0, surface->GetNumberOfPoints() }, { 0, surface->GetPolys()->GetNumberOfCells() }, covered);
     surface->GetPointData()->AddArray(covered);
-    // Where the body goes on beyond the wall its distance says nothing: not shown.
+    // Where the body goes on beyond the wall its distance says nothing: not shown, and not in the range of the colours.
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
+    {
+      if (!answers[i].covered)
+      {
+        samples.set(i, none, none);
+      }
+    }
     vtkNew<vtkUnsignedCharArray> hidden;
     hidden->SetName(vtkDataSetAttributes::GhostArrayName());
     hidden->SetNumberOfValues(surface->GetNumberOfPolys());

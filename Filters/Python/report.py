@@ -90,9 +90,6 @@ for name, source in shots:
     elif display.ColorArrayName[1]:
         display.RescaleTransferFunctionToDataRange(False, True)
         display.SetScalarBarVisibility(view, True)
-    if name == "deviation.png":
-        # The range of the wall, not of parts of the body that the wall does not cover.
-        simple.GetColorTransferFunction("Distance").RescaleTransferFunction(0.0, max(source.MaximumDistance, 1e-300))
     look(view, 1.4)
     simple.SaveScreenshot(os.path.join(folder, name), view, ImageResolution=[1100, 700])
 

@@ -325,10 +325,10 @@ def test_plane_at_an_offset():
     assert max(values(wall.GetPointData().GetArray("NormalDeviation"))) < 1e-12
     assert set(values(wall.GetPointData().GetArray("BlockId"))) == {0}
     assert abs(measured.MaximumDistance - distance) < 1e-15 and abs(measured.RMSDistance - distance) < 1e-14
-    # All corners of the plane lie beyond the wall, and are farther away than counts.
+    # All corners of the plane lie beyond the wall, where the distance says nothing.
     assert set(values(other.GetPointData().GetArray("Covered"))) == {0}
     assert field(other, "MaximumDistance") == [0] and measured.HausdorffDistance == measured.MaximumDistance
-    assert min(values(other.GetPointData().GetArray("Distance"))) > 1.4
+    assert all(math.isnan(value) for value in values(other.GetPointData().GetArray("Distance")))
 
     turn = math.radians(5)
     body = plane([(s * math.cos(turn), y, -s * math.sin(turn)) for y in (-1.0, 2.0) for s in (-1.0, 2.0)])
@@ -349,6 +349,8 @@ def test_covered():
     _, wall, other = deviation(box(), body)
     covered = values(other.GetPointData().GetArray("Covered"))
     assert covered == [1 if other.GetPoint(n)[0] < 1 else 0 for n in range(other.GetNumberOfPoints())]
+    # What is not covered has no part in the range of colours.
+    assert abs(other.GetPointData().GetArray("Distance").GetRange()[1] - 0.1) < 1e-15
     assert abs(field(other, "MaximumDistance")[0] - 0.1) < 1e-15
     # The wall's corner (1, 1, 0) is farthest from the body.
     assert abs(field(wall, "MaximumDistance")[0] - math.hypot(math.hypot(0.25, 0.5), 0.1)) < 1e-14
