@@ -23,8 +23,8 @@
  * `SurfaceNormal` (unit, outward) and `SecondFundamentalForm` (L, M, N with respect to u, v and that normal), three
  * doubles each; of `Body` `Covered` (unsigned char): 0 where the body goes on beyond the border of
  * the wall, as behind a symmetry plane or if the mesh covers a part only; the closest point then lies on the wall's
- * outer border and is seen at more than 45 degrees from the normal there. Their `Distance` and `NormalDeviation` are not
- * a number, they count in no total, and their cells are hidden (`vtkGhostType`).
+ * outer border and is seen at more than 45 degrees from the normal there. Their `Distance` and `NormalDeviation` are
+ * not a number, they count in no total, and their cells are hidden (`vtkGhostType`).
  *
  * Field data of both parts: `MaximumDistance`, `RMSDistance` (root of the mean square, by area) and
  * `MaximumNormalDeviation` (degrees). Field data of the collection: the same three of the wall, and

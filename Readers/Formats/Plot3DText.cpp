@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// PLOT3D files in ASCII: Fortran list-directed text.
+#include "Formats/Plot3DSyntax.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace bsv::plot3d
+{
+
+namespace
+{
+
+/// Longest text of a number.
+constexpr int MaxValue = 1000;
+
+bool isBlank(char c)
+{
+  return c == ' ' || c == '\n' || c == '\r' || c == '\t';
+}
+
+bool isExponent(char c)
+{
+  return c == 'd' || c == 'D' || c == 'q' || c == 'Q' || c == '+' || c == '-';
+}
+
+} // namespace
+
+/// A binary file starts with counts of 4 or 8 bytes below 2^24 or with such a record marker: there is a zero byte
+/// among them.
+bool isText(InputFile& file)
+{
+  const std::string start = file.start(8, file.textStart());
+  return std::all_of(
+    start.begin(), start.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r'; });
+}
+
+ListReader::ListReader(InputFile& file, const Execution& run)
+  : ListReader(file, file.size() - file.textStart(), run)
+{
+}
+
+ListReader::ListReader(InputFile& file, Index bytes, const Execution& run)
+  : File(file)
+  , Run(run)
+  , Offset(file.textStart())
+  , Remaining(bytes)
+  , Buffer(static_cast<std::size_t>(std::min(bytes, Index(1) << 20)))
+  , At(Buffer.data())
+  , End(At)
+{
+  this->refill();
+}
+
+Index ListReader::countValues()
+{
+  Index count = 0;
+  while (this->fetch())
+  {
+    count = saturatingSum(count, this->Repeat);
+  }
+  return count;
+}
+
+void ListReader::checkNumbers()
+{
+  this->Context.clear();
+  while (this->fetch())
+  {
+    this->parseReal();
+  }
+}
+
+double ListReader::real()
+{
+  if (this->isNew())
+  {
+    this->Real = this->parseReal();
+  }
+  --this->Repeat;
+  return this->Real;
+}
+
+int ListReader::integer()
+{
+  if (this->isNew())
+  {
+    const char* begin = this->Value + (*this->Value == '+');
+    const auto [end, failure] = std::from_chars(begin, this->ValueEnd, this->Integer);
+    if (failure != std::errc() || end != this->ValueEnd)
+    {
+      this->fail("'" + this->shown() + "' is not an integer of 4 bytes");
+    }
+  }
+  --this->Repeat;
+  return this->Integer;
+}
+
+void ListReader::skip(Index count)
+{
+  while (count > 0)
+  {
+    this->isNew();
+    const Index taken = std::min(count, this->Repeat);
+    count -= taken;
+    this->Repeat -= taken;
+  }
+  if (this->Repeat > 0)
+  {
+    // A repeat that the next block begins with.
+    this->Real = this->parseReal();
+  }
+}
+
+void ListReader::switchType()
+{
+  if (this->Repeat != 0)
+  {
+    this->fail("the repeat of '" + this->shown() + "' runs on into values of another kind");
+  }
+}
+
+std::vector<Ijk> ListReader::header(bool multiBlock)
+{
+  this->Context = "header";
+  const int blocks = multiBlock ? this->integer() : 1;
+  if (blocks < 1 || blocks > this->File.size())
+  {
+    this->fail("the number of blocks is " + std::to_string(blocks));
+  }
+  std::vector<Ijk> counts;
+  for (int b = 0; b < blocks; ++b)
+  {
+    this->Context = "header, " + blockName(b);
+    Ijk block;
+    for (int& count : block)
+    {
+      count = this->integer();
+    }
+    if (!positive(block))
+    {
+      this->fail(blockName(b) + " has " + toString(block) + " points");
+    }
+    counts.push_back(block);
+  }
+  this->switchType();
+  this->Context.clear();
+  return counts;
+}
+
+void ListReader::fail(const std::string& what) const
+{
+  throw Error(this->File.name() + ", line " + std::to_string(this->line()) +
+    (this->Context.empty() ? "" : " (" + this->Context + ")") + ": " + what);
+}
+
+Index ListReader::line() const
+{
+  const char* begin = this->Buffer.data();
+  const char* last = this->Value == this->End && this->End != begin ? this->End - 1 : this->Value;
+  return 1 + this->LinesBefore + std::count(begin, last, '\n');
+}
+
+std::string ListReader::shown() const
+{
+  std::string text(this->Value, std::min<std::size_t>(this->ValueEnd - this->Value, 40));
+  std::replace_if(
+    text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+bool ListReader::isNew()
+{
+  if (this->Repeat > 0)
+  {
+    return false;
+  }
+  if (!this->fetch())
+  {
+    this->fail("the file ends too early");
+  }
+  return true;
+}
+
+void ListReader::refill()
+{
+  this->Run.report(0.0);
+  this->LinesBefore += std::count(static_cast<const char*>(this->Buffer.data()), this->At, '\n');
+  const Index kept = std::copy(this->At, this->End, this->Buffer.data()) - this->Buffer.data();
+  const Index added = std::min(this->Remaining, static_cast<Index>(this->Buffer.size()) - kept);
+  this->File.read(this->Offset, this->Buffer.data() + kept, added);
+  this->Offset += added;
+  this->Remaining -= added;
+  this->At = this->Buffer.data();
+  this->End = this->At + kept + added;
+}
+
+bool ListReader::atEnd()
+{
+  if (this->At == this->End && this->Remaining > 0)
+  {
+    this->refill();
+  }
+  return this->At == this->End;
+}
+
+bool ListReader::fetch()
+{
+  bool comma = false;
+  for (; !this->atEnd() && (isBlank(*this->At) || *this->At == ','); ++this->At)
+  {
+    if (*this->At == ',' && comma)
+    {
+      this->Value = this->At;
+      this->fail("a value is missing between two commas");
+    }
+    comma = comma || *this->At == ',';
+  }
+  this->Value = this->At;
+  if (this->At == this->End)
+  {
+    return false;
+  }
+  const auto inValue = [&] { return this->At != this->End && !isBlank(*this->At) && *this->At != ','; };
+  while (inValue())
+  {
+    ++this->At;
+  }
+  if (this->At == this->End && this->Remaining > 0)
+  {
+    // Longer than the buffer is no number.
+    this->At = this->Value;
+    this->refill();
+    for (this->Value = this->At; inValue();)
+    {
+      ++this->At;
+    }
+  }
+  this->ValueEnd = this->At;
+  if (this->ValueEnd - this->Value > MaxValue)
+  {
+    this->fail(
+      "'" + this->shown() + "' goes on for more than " + std::to_string(MaxValue) + " characters; no number does");
+  }
+  const char* star = std::find(this->Value, this->ValueEnd, '*');
+  star = star == this->ValueEnd ? nullptr : star;
+  this->Repeat = 1;
+  if (star)
+  {
+    const auto [end, failure] = std::from_chars(this->Value, star, this->Repeat);
+    if (failure != std::errc() || end != star || this->Repeat < 1 || star + 1 == this->ValueEnd)
+    {
+      this->fail("'" + this->shown() + "' is not a repeat count of at least 1, '*' and a value" +
+        (this->shown()[0] == '*' ? "; Fortran writes stars for a number that does not fit its format" : ""));
+    }
+    this->Value = star + 1;
+  }
+  return true;
+}
+
+double ListReader::parseReal() const
+{
+  const char* begin = this->Value + (*this->Value == '+');
+  double value = 0.0;
+  auto [end, failure] = std::from_chars(begin, this->ValueEnd, value);
+  if (failure == std::errc() && end != this->ValueEnd && isExponent(*end))
+  {
+    // Fortran's exponents: d or q for e, or no letter at all.
+    std::string text(begin, end);
+    text += 'e';
+    text.append(*end == '+' || *end == '-' ? end : end + 1, this->ValueEnd);
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+    failure = result.ec;
+    end = result.ptr == text.data() + text.size() ? this->ValueEnd : end;
+  }
+  if (failure == std::errc::result_out_of_range && end == this->ValueEnd)
+  {
+    if (std::find(begin + 1, this->ValueEnd, '-') != this->ValueEnd)
+    {
+      return 0.0; // below the smallest double
+    }
+    this->fail("'" + this->shown() + "' is out of the range of a double");
+  }
+  if (failure != std::errc() || end != this->ValueEnd)
+  {
+    this->fail("'" + this->shown() + "' is not a number");
+  }
+  if (!std::isfinite(value))
+  {
+    this->fail("'" + this->shown() + "' is not finite");
+  }
+  return value;
+}
+
+} // namespace bsv::plot3d
