@@ -53,6 +53,15 @@ inline bool isVolume(vtkDataObject* input)
   return hasKnots(input, true);
 }
 
+/// How contacts of these blocks are found; for as long as the blocks are there.
+inline VolumeInterfaceOptions contactSearch(const BSplineVolumeBlocks& blocks)
+{
+  VolumeInterfaceOptions options;
+  options.boundaries = blocks.boundaries;
+  options.blockName = [&](int block) { return blocks.label(block); };
+  return options;
+}
+
 /// A volume, with interfaces found where it has none. Collective.
 inline VolumeToWrite volumeToWrite(const BSplineVolumeBlocks& blocks, const Execution& run)
 {
@@ -69,10 +78,7 @@ inline VolumeToWrite volumeToWrite(const BSplineVolumeBlocks& blocks, const Exec
   volume.boundaryTypes = completeTypes(blocks.boundaryNames, blocks.boundaryTypes);
   if (!blocks.hasInterfaces)
   {
-    VolumeInterfaceOptions options;
-    options.boundaries = blocks.boundaries;
-    options.blockName = [&](int block) { return blocks.label(block); };
-    volume.interfaces = findVolumeInterfaces(blocks.volumes, options, run);
+    volume.interfaces = findVolumeInterfaces(blocks.volumes, contactSearch(blocks), run);
   }
   completeVolume(volume, run);
   return volume;

@@ -79,6 +79,11 @@ void vtkBSplineVolumeWriter::WriteData()
     const bsv::VolumeToWrite volume = bsv::volumeToWrite(blocks, run);
     if (extension != ".g2")
     {
+      // GoTools files have no topology; in all others a contact that is not joined would be a wall inside the volume.
+      if (!blocks.hasInterfaces)
+      {
+        bsv::requireWholeContacts(blocks.volumes, volume.interfaces, bsv::contactSearch(blocks), run);
+      }
       notes = volume.notes;
     }
     bsv::FileGroup files(run);

@@ -9,7 +9,7 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import simple, client, demo_mesh, main, messages, update
+from bsv_support import cgrid, simple, demo_mesh, half_turn_ring, main, messages, producer, update
 
 import openfoam  # the example
 from TestBSplineVolumeWriter import ogrid
@@ -105,10 +105,17 @@ def test_gmsh():
                 assert smallest_jacobian(VOLUME, folder, GmshVersion=version) > 0
 
 
+def converted(mesh):
+    return simple.CatmullClarkToBSplineVolume(Input=producer(mesh))
+
+
 def test_block_that_meets_itself():
-    """One block around an axis, right- and left-handed, without names of boundaries."""
-    for source in (ogrid(), ogrid(turned=True)):
-        samples = simple.BSplineVolumeSampler(Input=source, Level=1)
+    """One block around an axis, right- and left-handed, also turned by half a turn on its way, without names of
+    boundaries; C-grids of one and two blocks, as they were read and refined."""
+    cases = [(source, simple.BSplineVolumeSampler(Input=source, Level=1))
+             for source in (ogrid(), ogrid(turned=True), converted(half_turn_ring()), converted(cgrid()))]
+    cases += [(converted(cgrid(cut)), producer(cgrid(cut))) for cut in (None, 10)]
+    for source, samples in cases:
         with tempfile.TemporaryDirectory() as folder:
             if has("cgnscheck"):
                 for writer, data in (("HexBlockMeshWriter", samples), ("BSplineVolumeWriter", source)):

@@ -9,12 +9,14 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import (simple, vtk, blocks, client, coordinates, creased_mesh, demo_mesh, failure, field, main, names,
+from bsv_support import (simple, vtk, blocks, cgrid, client, coordinates, creased_mesh, demo_mesh, failure, field, main, names,
                          producer, update, values)
 from paraview import servermanager
 
 DEMO = simple.CatmullClarkToBSplineVolume(Input=demo_mesh(8), UseCreaseAngle=1)
 KNOTS = simple.CatmullClarkToBSplineVolume(Input=producer(creased_mesh()), CreasesInsideBlocks="RepeatedKnots")
+# One block that meets itself along the wake, and becomes three.
+WAKE = simple.CatmullClarkToBSplineVolume(Input=producer(cgrid()))
 
 
 def writer(path, source=DEMO, **properties):
@@ -67,7 +69,7 @@ def write_errors(path, source=DEMO, code=None, **properties):
 
 
 def test_save_data_and_open():
-    for source, count in ((DEMO, 16), (KNOTS, 2)):
+    for source, count in ((DEMO, 16), (KNOTS, 2), (WAKE, 3)):
         before, _ = update(source)
         with folder() as path:
             file = os.path.join(path, "demo.qfmb")

@@ -240,6 +240,84 @@ def creased_mesh():
     return data
 
 
+def name_boundaries(data, rows, labels):
+    """Gives a mesh boundaries: (block, face, number of the label, range of points along both axes of the face)."""
+    table = vtk.vtkIntArray()
+    table.SetName("Boundaries")
+    table.SetNumberOfComponents(7)
+    for row in rows:
+        table.InsertNextTuple(row)
+    strings = vtk.vtkStringArray()
+    strings.SetName("BoundaryNames")
+    for label in labels:
+        strings.InsertNextValue(label)
+    data.GetFieldData().AddArray(table)
+    data.GetFieldData().AddArray(strings)
+    return data
+
+
+WAKE, BODY, OUT, SPAN = 4, 12, 3, 2
+
+
+def cgrid(cut=None):
+    """C-grid around a profile with a sharp trailing edge: along i the wake, the lower and the upper side, and the wake
+    again, so that both ends of face j = 0 meet. One block, or two that are cut at i = `cut`, where the wake then joins
+    a part of a face of each."""
+    count = 2 * WAKE + BODY
+
+    def place(p, j, k):
+        i = min(p, count - p)
+        side = 0.0 if 2 * p == count else -1.0 if 2 * p < count else 1.0
+        x, y = 1 + 2 * (WAKE - i) / WAKE, 0.0
+        if i > WAKE:
+            x = 1 - 2 * (i - WAKE) / BODY
+            y = 0.3 * x * (1 - x)
+        bend = 2 * i / count
+        angle = 0.5 * math.pi * bend
+        outer = 4 * math.cos(angle) - 2 * bend, 2 * math.cos(angle) + 2 * math.sin(2 * angle)
+        w = j / OUT
+        return x + w * (outer[0] - x), side * (y + w * (outer[1] - y)), k / SPAN
+
+    ends = [0, count] if cut is None else [0, cut, count]
+    data = collection([grid((b - a, OUT, SPAN), place, (a, 0, 0)) for a, b in zip(ends, ends[1:])])
+    rows = []
+    for b, (first, last) in enumerate(zip(ends, ends[1:])):
+        cells = last - first
+        rows += [(b, 2, 0, max(0, WAKE - first), min(cells, WAKE + BODY - first), 0, SPAN),
+                 (b, 3, 1, 0, cells, 0, SPAN), (b, 4, 2, 0, cells, 0, OUT), (b, 5, 2, 0, cells, 0, OUT)]
+    last = len(ends) - 2
+    rows += [(0, 0, 1, 0, OUT, 0, SPAN), (last, 1, 1, 0, OUT, 0, SPAN)]
+    return name_boundaries(data, rows, ("wall", "farfield", "sides"))
+
+
+def half_turn_ring():
+    """One block around an axis that is turned by half a turn on its way: its ends meet with both directions reversed."""
+    n = (12, 2, 2)
+
+    def place(i, j, k):
+        if i == n[0]:
+            i, j, k = 0, n[1] - j, n[2] - k
+        angle = 2 * math.pi * i / n[0]
+        u, v = j / n[1] - 0.5, k / n[2] - 0.5
+        radius = 3 + u * math.cos(angle / 2) - v * math.sin(angle / 2)
+        return (radius * math.cos(angle), -radius * math.sin(angle),
+                u * math.sin(angle / 2) + v * math.cos(angle / 2))
+    return collection([grid(n, place)])
+
+
+def folded_ring():
+    """One block around an axis whose inner face is folded flat: it meets itself all over, and so do its ends."""
+    n = (12, 3, 2)
+
+    def place(i, j, k):
+        i %= n[0]
+        angle = 2 * math.pi * min(i, n[0] - i) / n[0]
+        side = 0.0 if 2 * i in (0, n[0]) else 1.0 if 2 * i > n[0] else -1.0
+        w = j / n[1]
+        return math.cos(angle) * (1 + w), side * math.sin(angle) * 2 * w, k / n[2]
+    return collection([grid(n, place)])
+
+
 def main(tests):
     """Runs all functions named test_* of a module's globals()."""
     for name, test in list(tests.items()):

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 namespace bsv
 {
@@ -138,6 +139,89 @@ double mismatch(const ProbedFace& a, const ProbedFace& b, int o)
   return worst;
 }
 
+/// The part of a face that belongs to one span.
+struct SpanQuad
+{
+  int face; ///< 6 * block + face
+  int s;
+  int t;
+  double tolerance;
+  std::array<Triple, 5> points; ///< corners around it, then the middle
+
+  Eigen::Map<const Vec3> point(int n) const { return Eigen::Map<const Vec3>(this->points[n].data()); }
+};
+
+/// Appends the spans of a face that are not collapsed.
+void appendSpans(const BSplineVolume& volume, int number, double fraction, std::vector<SpanQuad>& quads)
+{
+  const int face = number % 6;
+  const int across = faceDirection(face);
+  const std::array<int, 2> axes{ faceAxis(face, 0), faceAxis(face, 1) };
+  const auto spansOf = [&](int d) { return nonEmptySpans(volume.degree[d], volume.knots[d]); };
+  const std::array<std::vector<int>, 2> spans{ spansOf(axes[0]), spansOf(axes[1]) };
+  const std::vector<int> down = spansOf(across);
+  const double top = volume.knots[across][faceSide(face) ? down.back() + 1 : down.front()];
+  const double below = volume.knots[across][faceSide(face) ? down.back() : down.front() + 1];
+  for (std::size_t t = 0; t < spans[1].size(); ++t)
+  {
+    for (std::size_t s = 0; s < spans[0].size(); ++s)
+    {
+      const auto at = [&](double fs, double ft, double depth) {
+        const double* knotS = volume.knots[axes[0]].data() + spans[0][s];
+        const double* knotT = volume.knots[axes[1]].data() + spans[1][t];
+        Vec3 uvw;
+        uvw[axes[0]] = knotS[0] + fs * (knotS[1] - knotS[0]);
+        uvw[axes[1]] = knotT[0] + ft * (knotT[1] - knotT[0]);
+        uvw[across] = depth;
+        return evaluate(volume, uvw);
+      };
+      const std::array<Vec3, 5> x{ at(0, 0, top), at(1, 0, top), at(1, 1, top), at(0, 1, top), at(0.5, 0.5, top) };
+      double shortest = std::numeric_limits<double>::infinity();
+      double longest = 0.0;
+      double size = 0.0;
+      const auto distance = [&](const Vec3& a, const Vec3& b) {
+        const double d = (a - b).norm();
+        longest = std::max(longest, d);
+        shortest = d > 0.0 ? std::min(shortest, d) : shortest;
+      };
+      for (int c = 0; c < 4; ++c)
+      {
+        distance(x[c], x[(c + 1) % 4]);
+        size = std::max(size, x[c].cwiseAbs().maxCoeff());
+      }
+      distance(x[4], at(0.5, 0.5, below));
+      const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * size;
+      if ((x[2] - x[0]).cross(x[3] - x[1]).norm() > rounding * longest)
+      {
+        SpanQuad quad{ number, static_cast<int>(s), static_cast<int>(t), std::max(fraction * shortest, rounding), {} };
+        for (int n = 0; n < 5; ++n)
+        {
+          std::copy_n(x[n].data(), 3, quad.points[n].data());
+        }
+        quads.push_back(quad);
+      }
+    }
+  }
+}
+
+/// Whether the corners of two spans are the same, from any first corner and in either sense.
+bool sameCorners(const SpanQuad& a, const SpanQuad& b, double tolerance)
+{
+  for (int o = 0; o < 8; ++o)
+  {
+    bool same = true;
+    for (int c = 0; same && c < 4; ++c)
+    {
+      same = (a.point(c) - b.point(((o & 1 ? c : 4 - c) + o / 2) % 4)).norm() <= tolerance;
+    }
+    if (same)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
 } // namespace
 
 std::vector<Interface> findVolumeInterfaces(
@@ -229,6 +313,72 @@ std::vector<Interface> findVolumeInterfaces(
     return std::make_pair(one.blockA, one.faceA) < std::make_pair(other.blockA, other.faceA);
   });
   return result;
+}
+
+void requireWholeContacts(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>& interfaces,
+  const VolumeInterfaceOptions& options, const Execution& run)
+{
+  std::vector<bool> known(6 * volumes.size(), false);
+  for (const BoundaryPatch& patch : options.boundaries)
+  {
+    known[6 * patch.block + patch.face] = true;
+  }
+  for (const Interface& contact : interfaces)
+  {
+    known[6 * contact.blockA + contact.faceA] = true;
+    known[6 * contact.blockB + contact.faceB] = true;
+  }
+  std::vector<SpanQuad> quads;
+  for (std::size_t f = 0; f < known.size(); ++f)
+  {
+    run.report(0.5 * static_cast<double>(f) / static_cast<double>(known.size()));
+    if (!known[f] && volumes[f / 6].rank == run.ranks->rank())
+    {
+      appendSpans(volumes[f / 6], static_cast<int>(f), options.tolerance, quads);
+    }
+  }
+  quads = run.ranks->gatherAll(quads);
+  std::sort(quads.begin(), quads.end(), [](const SpanQuad& a, const SpanQuad& b) {
+    return std::tie(a.points[4][0], a.face, a.t, a.s) < std::tie(b.points[4][0], b.face, b.t, b.s);
+  });
+  // The pair of the lowest numbers, so that the error is the same on any number of ranks.
+  const SpanQuad* first = nullptr;
+  const SpanQuad* second = nullptr;
+  Index count = 0;
+  for (std::size_t i = 0; i < quads.size(); ++i)
+  {
+    for (std::size_t j = i + 1; j < quads.size() && quads[j].points[4][0] - quads[i].points[4][0] <= quads[i].tolerance;
+         ++j)
+    {
+      const double tolerance = std::min(quads[i].tolerance, quads[j].tolerance);
+      if ((quads[i].point(4) - quads[j].point(4)).norm() > tolerance || !sameCorners(quads[i], quads[j], tolerance))
+      {
+        continue;
+      }
+      ++count;
+      const auto key = [](const SpanQuad& quad) { return std::make_tuple(quad.face, quad.t, quad.s); };
+      const bool ordered = key(quads[i]) < key(quads[j]);
+      const SpanQuad& a = quads[ordered ? i : j];
+      const SpanQuad& b = quads[ordered ? j : i];
+      if (!first || std::make_pair(key(a), key(b)) < std::make_pair(key(*first), key(*second)))
+      {
+        first = &a;
+        second = &b;
+      }
+    }
+  }
+  if (!first)
+  {
+    return;
+  }
+  const auto place = [&](const SpanQuad& quad) {
+    return options.blockName(quad.face / 6) + ", face " + std::to_string(quad.face % 6) + ", span (" +
+      std::to_string(quad.s) + ", " + std::to_string(quad.t) + ")";
+  };
+  throw Error(place(*first) + " and " + place(*second) + " are the same (" + std::to_string(count) +
+    (count == 1 ? " such pair" : " such pairs") +
+    "), but their faces are not: only whole faces can be joined. Cut the blocks where the contact ends, or name the "
+    "faces as boundaries if they are no contact");
 }
 
 } // namespace bsv

@@ -33,4 +33,11 @@ struct VolumeInterfaceOptions
 std::vector<Interface> findVolumeInterfaces(
   const std::vector<BSplineVolume>& volumes, const VolumeInterfaceOptions& options = {}, const Execution& run = {});
 
+/// For whoever joins whole faces only: makes sure that no other faces than those of `interfaces` and of the options'
+/// boundaries have spans in common, like the wake of a C-grid in one block, where the ends of a face meet. Spans are
+/// the same if their corners and middles are. Of blocks on other ranks these points come from there.
+/// @throws Error that names two faces and a place where they meet.
+void requireWholeContacts(const std::vector<BSplineVolume>& volumes, const std::vector<Interface>& interfaces,
+  const VolumeInterfaceOptions& options = {}, const Execution& run = {});
+
 } // namespace bsv

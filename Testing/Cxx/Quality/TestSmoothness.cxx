@@ -1161,6 +1161,50 @@ TEST(VolumeInterfaces, TellThinLayersFromContacts)
   EXPECT_TRUE(findVolumeInterfaces({ wedge.view() }).empty());
 }
 
+TEST(VolumeInterfaces, ContactsOfPartsOfFacesAreRefused)
+{
+  // Two spans along u on a block that has one, which meets the second; layers of 1e-6 over both.
+  const auto block = [](double from, double to, double bottom, double top) {
+    Block result;
+    result.volume.degree = { 1, 1, 1 };
+    result.volume.knots = { { { 0, 0, 1, 1 }, { 0, 0, 1, 1 }, { 0, 0, 1, 1 } } };
+    if (to - from > 1.0)
+    {
+      result.volume.knots[0] = { 0, 0, 1, 2, 2 };
+    }
+    bsvtest::forEach(result.counts(), [&](const Ijk& i) {
+      const std::initializer_list<double> x{ from + i[0], i[1] ? top : bottom, double(i[2]) };
+      result.points.insert(result.points.end(), x);
+    });
+    return result;
+  };
+  const Block longBlock = block(0.0, 2.0, 0.0, 1e-6);
+  const Block shortBlock = block(1.0, 2.0, 1e-6, 2e-6);
+  const std::vector<BSplineVolume> both{ longBlock.view(), shortBlock.view() };
+  EXPECT_TRUE(findVolumeInterfaces(both).empty());
+  try
+  {
+    requireWholeContacts(both, {});
+    FAIL();
+  }
+  catch (const Error& error)
+  {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("block 0, face 3, span (1, 0) and block 1, face 2, span (0, 0) are the same (1 such pair)"),
+      std::string::npos)
+      << text;
+  }
+  VolumeInterfaceOptions options;
+  options.boundaries = { { 0, 3, {}, 0 } };
+  EXPECT_NO_THROW(requireWholeContacts(both, {}, options));
+  // The two sides of a layer are no contact, and whole contacts are known.
+  EXPECT_NO_THROW(requireWholeContacts({ longBlock.view() }, {}));
+  const Block below = block(1.0, 2.0, 0.0, 1e-6);
+  const std::vector<BSplineVolume> stack{ shortBlock.view(), below.view() };
+  EXPECT_NO_THROW(requireWholeContacts(stack, findVolumeInterfaces(stack)));
+  EXPECT_THROW(requireWholeContacts(stack, {}), Error);
+}
+
 //------------------------------------------------------------------------------
 // Bad input
 //------------------------------------------------------------------------------
