@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python package of a build without ParaView reads, converts, samples, writes and reads back; run by python3.
 
+It was built without OpenCASCADE, too, and says so where it is needed.
+
 Argument: the folder of the modules that must be used.
 """
 import os
@@ -17,6 +19,34 @@ def points(algorithm):
     data = algorithm.GetOutputDataObject(0)
     return [bytes(memoryview(data.GetPartition(block, 0).GetPoints().GetData()))
             for block in range(data.GetNumberOfPartitionedDataSets())]
+
+
+def failure(algorithm, work):
+    """The only error that comes while `work` is done."""
+    errors = []
+
+    def observe(_caller, _event, text):
+        errors.append(text)
+    observe.CallDataType = "string0"
+    algorithm.AddObserver("ErrorEvent", observe)
+    algorithm.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+    work()
+    assert len(errors) == 1, errors
+    return errors[0]
+
+
+def refuses_cad(folder, convert):
+    path = os.path.join(folder, "body.step")
+    with open(path, "w") as stream:
+        stream.write("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n")
+    reader = bsplinevolume.vtkNURBSSurfaceReader()
+    reader.SetFileName(path)
+    writer = bsplinevolume.vtkNURBSSurfaceWriter()
+    writer.SetInputConnection(convert.GetOutputPort())
+    writer.SetFileName(os.path.join(folder, "wall.igs"))
+    for error in failure(reader, reader.Update), failure(writer, writer.Write):
+        assert "files need OpenCASCADE" in error, error
+    assert not os.path.exists(writer.GetFileName())
 
 
 def main(modules):
@@ -38,6 +68,7 @@ def main(modules):
         reread.SetFileName(writer.GetFileName())
         reread.Update()
         assert points(reread) == points(convert)
+        refuses_cad(folder, convert)
     TestDemoHash.main()
 
     with open("/proc/self/maps") as maps:
