@@ -59,25 +59,26 @@ void CoverCheck::operator()(const std::vector<Index>& single) const
 std::vector<Index> CoverCheck::covers(const std::vector<Index>& single) const
 {
   const Index count = static_cast<Index>(single.size());
-  std::vector<Box> boxes(count);
+  std::vector<Box> boxes((count + Together - 1) / Together);
   std::vector<double> tolerance(count);
   std::vector<Vec3> normal(count);
-  this->Run.parallelFor(count, Chunk, [&](Index begin, Index end) {
-    for (Index n = begin; n < end; ++n)
+  this->Run.parallelFor(static_cast<Index>(boxes.size()), Chunk / Together, [&](Index begin, Index end) {
+    for (Index n = begin * Together; n < std::min(count, end * Together); ++n)
     {
       const QuadAt at = this->Surface.quadAt(single[n]);
       normal[n] = outwardNormal(this->Mesh, this->Surface, at, this->LeftHanded[at.block]).stableNormalized();
       tolerance[n] = std::numeric_limits<double>::max();
+      Box box;
       for (int c = 0; c < 4; ++c)
       {
         const Ijk p = this->Surface.corner(at, c & 1, c >> 1);
-        boxes[n].extend(this->Mesh.blocks[at.block].points(p));
+        box.extend(this->Mesh.blocks[at.block].points(p));
         tolerance[n] = std::min(tolerance[n], this->tolerance(at.block, p));
       }
-      boxes[n] = inflated(boxes[n], tolerance[n]);
+      boxes[n / Together].extend(inflated(box, tolerance[n]));
     }
   });
-  const BoxTree tree(boxes);
+  const BoxTree tree(boxes, count, Together);
   std::vector<Index> cover(count, -1);
   const auto search = [&](Index begin, Index end) {
     for (Index n = begin; n < end; ++n)
@@ -112,49 +113,66 @@ void CoverCheck::coverByCorners(
   const std::vector<Index>& single, const std::vector<Vec3>& normal, std::vector<Index>& cover) const
 {
   const Index count = static_cast<Index>(single.size());
+  // How many corners of a quadrilateral are shared, and with which one the last.
+  std::vector<char> shared(count, 0);
+  std::vector<Index> other(count, -1);
   std::vector<std::pair<Index, Index>> atClass;
+  for (Index part = 0; part < Parts; ++part)
+  {
+    atClass.clear();
+    for (Index n = 0; n < count; ++n)
+    {
+      for (Index c : this->Classes.key(this->Surface.quadAt(single[n])))
+      {
+        if (c % Parts == part)
+        {
+          atClass.push_back({ c, n });
+        }
+      }
+    }
+    std::sort(atClass.begin(), atClass.end());
+    this->Run.parallelFor(count, Chunk, [&](Index begin, Index end) {
+      for (Index n = begin; n < end; ++n)
+      {
+        const QuadAt quad = this->Surface.quadAt(single[n]);
+        if (!this->Part.isHere(quad.block))
+        {
+          continue;
+        }
+        const double size = (this->corner(quad, 0, 0) - this->corner(quad, 1, 1)).norm();
+        const auto before = [&](Index m) {
+          return facing(normal[m], normal[n]) &&
+            this->covers(quad, normal[n], this->center(this->Surface.quadAt(single[m])), size);
+        };
+        const PointClasses::Key key = this->Classes.key(quad);
+        for (int corner = 0; corner < 4; ++corner)
+        {
+          const Index c = key[corner];
+          if (c % Parts != part)
+          {
+            continue;
+          }
+          auto at = std::lower_bound(atClass.begin(), atClass.end(), std::make_pair(c, Index(0)));
+          while (at != atClass.end() && at->first == c && !before(at->second))
+          {
+            ++at;
+          }
+          if (at != atClass.end() && at->first == c)
+          {
+            ++shared[n];
+            other[n] = corner == 3 ? at->second : other[n];
+          }
+        }
+      }
+    });
+  }
   for (Index n = 0; n < count; ++n)
   {
-    for (Index c : this->Classes.key(this->Surface.quadAt(single[n])))
+    if (shared[n] == 4 && cover[n] < 0)
     {
-      atClass.push_back({ c, n });
+      cover[n] = single[other[n]];
     }
   }
-  std::sort(atClass.begin(), atClass.end());
-  this->Run.parallelFor(count, Chunk, [&](Index begin, Index end) {
-    for (Index n = begin; n < end; ++n)
-    {
-      Index shared = 0;
-      Index other = -1;
-      const QuadAt quad = this->Surface.quadAt(single[n]);
-      if (!this->Part.isHere(quad.block))
-      {
-        continue;
-      }
-      const double size = (this->corner(quad, 0, 0) - this->corner(quad, 1, 1)).norm();
-      const auto before = [&](Index m) {
-        return facing(normal[m], normal[n]) &&
-          this->covers(quad, normal[n], this->center(this->Surface.quadAt(single[m])), size);
-      };
-      for (Index c : this->Classes.key(quad))
-      {
-        auto at = std::lower_bound(atClass.begin(), atClass.end(), std::make_pair(c, Index(0)));
-        while (at != atClass.end() && at->first == c && !before(at->second))
-        {
-          ++at;
-        }
-        if (at != atClass.end() && at->first == c)
-        {
-          ++shared;
-          other = at->second;
-        }
-      }
-      if (shared == 4 && cover[n] < 0)
-      {
-        cover[n] = single[other];
-      }
-    }
-  });
 }
 
 bool CoverCheck::covers(const QuadAt& at, const Vec3& n, const Vec3& x, double tolerance) const

@@ -34,6 +34,10 @@ private:
   bool covers(const QuadAt& at, const Vec3& n, const Vec3& x, double tolerance) const;
 
   static constexpr Index Chunk = 1024;
+  /// Quadrilaterals that follow each other in a box of the search.
+  static constexpr Index Together = 8;
+  /// Corners are compared in so many parts, to need as little memory.
+  static constexpr Index Parts = 8;
 
   const PointClasses& Classes;
 };

@@ -22,8 +22,7 @@ public:
   {
     DeclaredContacts{ *this }();
     this->Run.report(0.2);
-    // Collapsed quadrilaterals, where allowed, must be told from the others one by one.
-    if (this->Options.findInterfaces && !this->Options.allowDegenerate)
+    if (this->Options.findInterfaces)
     {
       WholeFaces{ *this }();
     }

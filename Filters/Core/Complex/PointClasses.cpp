@@ -29,7 +29,9 @@ void PointClasses::mergeEqualPoints(const std::vector<Index>& quads)
   }
   this->Points.emplace(this->Mesh, &blocks);
   this->Class.assign(this->Points->pointCount(), -1);
-  FirstOccurrence first(std::min(this->Points->pointCount(), 4 * static_cast<Index>(quads.size())));
+  Index count = 0;
+  this->forEachPoint(quads, [&](int, const Ijk&, Index) { ++count; });
+  FirstOccurrence first(count);
   this->forEachPoint(quads, [&](int block, const Ijk& p, Index point) {
     const Vec3 x = this->Mesh.blocks[block].points(p);
     this->Class[point] = first.insert(hashOf(x), point, [&](Index other) { return this->pointOf(other) == x; });
@@ -142,13 +144,13 @@ bool PointClasses::mergeNearPoints(const std::vector<Index>& quads, const std::v
   });
 
   std::vector<Vec3> x(count);
-  std::vector<Box> boxes(count);
+  std::vector<Box> boxes((count + Together - 1) / Together);
   for (Index n = 0; n < count; ++n)
   {
     x[n] = this->pointOf(points[n]);
-    boxes[n] = Box(x[n]);
+    boxes[n / Together].extend(x[n]);
   }
-  const BoxTree tree(boxes);
+  const BoxTree tree(boxes, count, Together);
   std::vector<std::vector<std::pair<Index, Index>>> chunks((count + Chunk - 1) / Chunk);
   std::vector<char> crowded(count, false);
   this->Run.parallelFor(static_cast<Index>(chunks.size()), 1, [&](Index begin, Index end) {

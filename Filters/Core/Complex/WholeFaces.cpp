@@ -57,6 +57,10 @@ void WholeFaces::operator()()
       candidates.push_back(contact);
     }
   }
+  if (this->Options.allowDegenerate)
+  {
+    this->withoutCollapsed(candidates);
+  }
   const std::vector<Comparison> compared = this->compare(candidates, true);
   for (std::size_t n = 0; n < compared.size(); ++n)
   {
@@ -66,6 +70,51 @@ void WholeFaces::operator()()
       this->noteSameBits(candidates[n], compared[n]);
     }
   }
+}
+
+void WholeFaces::withoutCollapsed(std::vector<Interface>& contacts) const
+{
+  std::vector<char> collapsed(contacts.size(), 0);
+  this->Run.parallelFor(static_cast<Index>(contacts.size()), 16, [&](Index begin, Index end) {
+    for (Index n = begin; n < end; ++n)
+    {
+      collapsed[n] = this->Part.isHere(contacts[n].blockA) && this->hasCollapsed(contacts[n].blockA, contacts[n].faceA);
+    }
+  });
+  this->Ranks.share(collapsed, [&](Index n) { return this->Part.rankOf(contacts[n].blockA); });
+  std::vector<Interface> kept;
+  for (std::size_t n = 0; n < contacts.size(); ++n)
+  {
+    if (!collapsed[n])
+    {
+      kept.push_back(contacts[n]);
+    }
+  }
+  contacts = kept;
+}
+
+bool WholeFaces::hasCollapsed(int block, int face) const
+{
+  for (int t = 0; t < this->Surface.faceCells(block, face, 1); ++t)
+  {
+    for (int s = 0; s < this->Surface.faceCells(block, face, 0); ++s)
+    {
+      const QuadAt at{ block, face, s, t };
+      const std::array<Vec3, 4> x{ this->corner(at, 0, 0), this->corner(at, 1, 0), this->corner(at, 0, 1),
+        this->corner(at, 1, 1) };
+      for (int a = 0; a < 4; ++a)
+      {
+        for (int b = a + 1; b < 4; ++b)
+        {
+          if (x[a] == x[b])
+          {
+            return true;
+          }
+        }
+      }
+    }
+  }
+  return false;
 }
 
 void WholeFaces::gatherCorners()

@@ -28,6 +28,9 @@ private:
   Vec3 faceCornerPoint(Index face, int cs, int ct) const;
   /// The one orientation code in which the corners of two faces are equal, or -1.
   int faceOrientation(Index a, Index b) const;
+  /// Leaves out contacts of faces with collapsed quadrilaterals, which must be told from the others one by one.
+  void withoutCollapsed(std::vector<Interface>& contacts) const;
+  bool hasCollapsed(int block, int face) const;
 
   /// Per block the coordinates of its corners, if there are other ranks.
   std::vector<std::array<double, 24>> Corners;

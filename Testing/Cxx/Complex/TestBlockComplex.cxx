@@ -1058,6 +1058,12 @@ TEST(BlockComplex, RefusesZeroExtentUnlessAllowed)
   EXPECT_FALSE(c.blocks.empty());
   EXPECT_GT(c.tangledCells, 0);
 
+  // Two wedges that meet in a face whose quadrilaterals at the edge are collapsed: these are no contact, the others
+  // are, and the blocks are cut between them.
+  MeshCase wedges =
+    cutBox({ 2, 3, 4 }, { { {}, {}, { 2 } } }, [](const Vec3& x) { return Vec3(x[0] * x[1], x[1], x[2]); });
+  EXPECT_EQ(build(wedges, allowed).blocks.size(), 4u);
+
   MeshCase sheet = cutBox({ 2, 2, 2 }, {}, [](const Vec3& x) { return Vec3(x[0], x[1], x[0] + x[2] * (x[1] - 1.0)); });
   EXPECT_NE(errorOf(sheet), "no error");
   EXPECT_EQ(errorOf(sheet, allowed), "no error");
