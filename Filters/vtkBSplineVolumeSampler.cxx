@@ -6,6 +6,8 @@
 #include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
 #include "Execution/FilterExecution.h"
+#include "Mesh/FlatFaces.h"
+#include "Ranks/OwnedValues.h"
 #include "Volume/Sampling.h"
 #include "Volume/SpanClasses.h"
 #include "Volume/VolumeInterfaces.h"
@@ -299,6 +301,22 @@ int vtkBSplineVolumeSampler::RequestData(
         }
       }
       grids[b] = grid;
+    }
+    if (adaptive)
+    {
+      const bsv::Execution run = bsv::filterExecution(this, 1.0, 1.0);
+      const std::vector<bsv::TurnedCells> turned = bsv::gatherFromOwners<bsv::TurnedCells>(
+        *run.ranks, blocks, [&](std::size_t b) { return input.volumes[b].rank; },
+        [&](std::size_t b) {
+          auto* samples = vtkDoubleArray::SafeDownCast(grids[b]->GetPoints()->GetData());
+          return bsv::turnedCells(bsv::GridView(samples->GetPointer(0), counts[b]), 1, run);
+        });
+      const std::string note = bsv::turnedCellsNote(turned, [&](std::size_t b) { return input.label(b); });
+      if (!note.empty())
+      {
+        warnings.push_back(note);
+        this->Report += note + ".\n";
+      }
     }
     bsv::setBlocks(output, grids, input.names, "Samples");
     bsv::setWholeFaceContacts(output, input.interfaces, input.boundaries, input.boundaryNames, input.boundaryTypes);

@@ -198,6 +198,11 @@ void vtkHexBlockMeshWriter::WriteData()
       else if (format == MeshFormat::OpenFOAM)
       {
         bsv::writeOpenFOAM(coarse, files, path, this->Encoding == BINARY, part, said);
+        const std::string turned = bsv::turnedCellsNote(coarse, part);
+        if (!turned.empty())
+        {
+          notes.push_back((family ? "level " + std::to_string(level) + ": " : "") + turned);
+        }
       }
       else
       {

@@ -9,7 +9,7 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bsv_support import cgrid, simple, demo_mesh, half_turn_ring, main, messages, producer, update
+from bsv_support import cgrid, client, simple, demo_mesh, half_turn_ring, main, messages, producer, update
 
 import openfoam  # the example
 from TestBSplineVolumeWriter import ogrid
@@ -26,12 +26,14 @@ def has(name):
 
 
 def write(writer, source, path, **properties):
+    """Writes without an error. Returns the warnings."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     proxy = getattr(simple.servermanager.writers, writer)(Input=source, FileName=path, **properties)
     source.UpdatePipeline()
     with messages(proxy) as caught:
         proxy.UpdatePipeline()
     assert not caught["errors"], caught["errors"]
+    return caught["warnings"]
 
 
 def run(*command, folder=None):
@@ -69,6 +71,25 @@ def test_openfoam():
                 assert all(re.search(r"\b%s\s+\d+" % patch, text) for patch in ("wall_wing", "symmetry", "farfield"))
                 worst.append(float(re.search(r"non-orthogonality Max: (\S+)", text).group(1)))
             assert worst[1] <= 1.1 * worst[0], worst
+
+
+def test_thin_cells_on_a_curved_wall():
+    """Cells that are turned over by flat faces are those of which checkMesh finds wrong pyramids, and are said before;
+    cells that are finer along the wall, too, are not."""
+    for tangential, expected in ((0, True), (2, False)):
+        samples = simple.BSplineVolumeSampler(Input=WING, Level=0, WallLevel=6, TangentialLevel=tangential)
+        _, said = update(samples)
+        assert bool(said) == ("cells are turned over" in client(samples).GetReport()) == expected, said
+        if has("checkMesh"):
+            with tempfile.TemporaryDirectory() as case:
+                notes = write("HexBlockMeshWriter", samples, os.path.join(case, "a.foam"))
+                openfoam.set_up(case)
+                wrong = re.search(r"face pyramids: (\d+) faces", run("checkMesh", folder=case))
+            assert bool(wrong) == bool(notes) == expected, (wrong, notes)
+            if expected:
+                # A face may have a wrong pyramid on either side.
+                faces, cells = int(wrong.group(1)), int(re.search(r"(\d+) cells are turned over", notes[0]).group(1))
+                assert faces <= cells <= 2 * faces, (faces, cells)
 
 
 def test_plot3d():

@@ -318,6 +318,19 @@ def folded_ring():
     return collection([grid(n, place)])
 
 
+def has_opencascade():
+    """Whether CAD files can be read and written here."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "a.step")
+        with open(path, "w") as file:
+            file.write("ISO-10303-21;\n")
+        reader = simple.NURBSSurfaceReader(FileName=path)
+        with messages(reader) as caught:
+            reader.UpdatePipeline()
+    assert caught["errors"]
+    return not any("without which this program was built" in text for text in caught["errors"])
+
+
 def main(tests):
     """Runs all functions named test_* of a module's globals()."""
     for name, test in list(tests.items()):

@@ -3,6 +3,7 @@
 
 #include "Complex/BlockComplex.h"
 #include "Data/BoundaryPatterns.h"
+#include "Mesh/FlatFaces.h"
 #include "Ranks/OwnedValues.h"
 
 #include <Eigen/Geometry>
@@ -547,6 +548,14 @@ std::vector<std::string> allowedNames(
     result.push_back(unique);
   }
   return result;
+}
+
+std::string turnedCellsNote(const MeshToWrite& mesh, const Execution& run)
+{
+  const std::vector<TurnedCells> turned = gatherFromOwners<TurnedCells>(
+    *run.ranks, mesh.blocks.size(), [&](std::size_t b) { return mesh.blocks[b].rank; },
+    [&](std::size_t b) { return turnedCells(mesh.blocks[b].points, mesh.blocks[b].step, run); });
+  return turnedCellsNote(turned, [&](std::size_t b) { return mesh.label(b); });
 }
 
 FirstCells firstCells(const MeshToWrite& mesh, const Execution& run)

@@ -98,6 +98,9 @@ std::vector<std::string> completeTypes(const std::vector<std::string>& names, co
 std::vector<std::string> allowedNames(
   const std::vector<std::string>& names, const std::string& allowed, std::size_t longest);
 
+/// What is said of cells that are turned over if their faces are flat (Mesh/FlatFaces.h), or nothing. Collective.
+std::string turnedCellsNote(const MeshToWrite& mesh, const Execution& run);
+
 /// First cell heights at a type of boundaries.
 struct FirstCells
 {
