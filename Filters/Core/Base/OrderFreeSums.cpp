@@ -9,6 +9,12 @@
 #include <utility>
 
 #define BSV_INLINE inline __attribute__((always_inline))
+// The passes of the loop that follows are independent of each other. Clang finds out by itself.
+#if defined(__GNUC__) && !defined(__clang__)
+#define BSV_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define BSV_INDEPENDENT
+#endif
 
 namespace bsv
 {
@@ -112,13 +118,13 @@ BSV_INLINE void allSums(
     w[t] = weights[t];
     x[t] = terms[t];
   }
-#pragma GCC ivdep
+  BSV_INDEPENDENT
   for (Index i = 0; i < count; ++i)
   {
     results[i] = oneSum<Count>(
       w, x, denominator, i, std::make_index_sequence<Count>(), std::make_index_sequence<exchangeCount(Count)>());
   }
-#pragma GCC ivdep
+  BSV_INDEPENDENT
   for (Index i = 0; i < count; ++i)
   {
     results[i] = (allEqual(x, i, std::make_integer_sequence<int, Count>()) ? x[0][i] : results[i]) + 0.0;

@@ -148,7 +148,6 @@ public:
   Builder(const BlockMesh& mesh, const BlockComplexOptions& options, const CreaseRules& rules, const Execution& run)
     : Part(mesh, *run.ranks)
     , Mesh(this->Part.mesh())
-    , Options(options)
     , Run(run)
     , Ranks(*run.ranks)
     , Check(checkMesh(mesh, options.allowDegenerate, this->part(0.0, 0.4)))
@@ -743,7 +742,6 @@ private:
 
   PartialMesh Part;
   const BlockMesh& Mesh;
-  const BlockComplexOptions& Options;
   const Execution& Run;
   const bsv::Ranks& Ranks;
   const MeshCheck Check;
