@@ -99,6 +99,13 @@ Eigen::MatrixXd nullSpace(const std::vector<NetRow>& rows, const std::vector<int
   return basis;
 }
 
+/// Spans along a spoke that are sampled: all that a net of that reach moves, as far as no other fit looks at them.
+int sampledSpans(const WallPatch& patch, int spoke, int reach)
+{
+  const int cells = patch.cells[spoke];
+  return std::min(reach, std::max(1, patch.alone ? cells - 1 : cells / 2));
+}
+
 class Fit
 {
 public:
@@ -273,7 +280,7 @@ private:
       for (int d = 0; d < 2; ++d)
       {
         const std::vector<double> knots = knotsAlong(cells[d], start.size);
-        const int spans = std::min(this->Reach, std::max(1, cells[d] / 2));
+        const int spans = sampledSpans(start, (k + d) % n, this->Reach);
         bases[d].emplace_back(knots, 0.0);
         for (int q = 0; q < PerSpan * spans; ++q)
         {
@@ -372,11 +379,21 @@ G1FitResult fitToBody(
   const WallPatch sorted = turned(start, order);
   const bool large = *std::min_element(start.cells.begin(), start.cells.end()) >= 8;
   // The softest fit is the closest to the body; where points slide too far, as on a nearly flat one, a stiffer one.
-  constexpr double Softest = 0.25;
+  // What no sample sees is held by stiffness alone.
+  const auto softest = [&](int reach) {
+    for (int k = 0; k < n; ++k)
+    {
+      if (sampledSpans(sorted, k, reach) < reach)
+      {
+        return 1.0;
+      }
+    }
+    return 0.25;
+  };
   G1FitResult result;
   for (int reach = large ? 4 : 3; reach >= 3 && result.reach == 0; --reach)
   {
-    for (double stiffness = Softest; stiffness < 100.0 && result.reach == 0; stiffness *= 4.0)
+    for (double stiffness = softest(reach); stiffness < 100.0 && result.reach == 0; stiffness *= 4.0)
     {
       result = Fit(sorted, reach, foot, curvature, stiffness, closest).run();
     }

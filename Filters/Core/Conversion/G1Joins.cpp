@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 namespace bsv
@@ -1075,9 +1076,11 @@ private:
   {
     const BodySurface* body = this->Options.twist == Twist::PCCM ? nullptr : this->Options.body;
     std::vector<int> fans;
+    std::set<int> fitted;
     for (const WallVertex& vertex : this->WallVertices)
     {
       fans.push_back(vertex.fan);
+      fitted.insert(this->vertexOf(this->Fans[vertex.fan], vertex.lastLayer));
     }
     if (!body || fans.empty())
     {
@@ -1106,7 +1109,7 @@ private:
       {
         if (static_cast<int>(i % ranks.size()) == ranks.rank())
         {
-          changes[i] = this->fitVertex(this->Fans[fans[i]], lists[i]);
+          changes[i] = this->fitVertex(this->WallVertices[i], fitted, lists[i]);
         }
       }
     });
@@ -1135,11 +1138,31 @@ private:
     this->evenShortSpokes();
   }
 
-  std::vector<double> fitVertex(const NetFan& fan, const std::vector<std::vector<double>>& lists) const
+  std::vector<double> fitVertex(
+    const WallVertex& vertex, const std::set<int>& fitted, const std::vector<std::vector<double>>& lists) const
   {
+    const NetFan& fan = this->Fans[vertex.fan];
     WallPatch patch;
     patch.size = PatchSize;
     patch.cells = fan.cells;
+    patch.alone = true;
+    for (int k = 0; k < fan.shape.sectors; ++k)
+    {
+      const NetSector& sector = fan.sectors[k];
+      // The vertices at the far end of one spoke, of the other, and of both.
+      for (int far = 1; far < 4; ++far)
+      {
+        const bool isFar[2] = { (far & 1) != 0, (far & 2) != 0 };
+        Ijk side{ 0, 0, 0 };
+        side[sector.along] = faceSide(this->endFace(sector, vertex.lastLayer));
+        side[sector.first] = sector.firstFromEnd != isFar[0] ? 1 : 0;
+        side[sector.second] = sector.secondFromEnd != isFar[1] ? 1 : 0;
+        const bool near =
+          (!isFar[0] || fan.cells[k] < PatchSize) && (!isFar[1] || fan.cells[(k + 1) % fan.shape.spokes()] < PatchSize);
+        const int corner = side[0] + 2 * side[1] + 4 * side[2];
+        patch.alone = patch.alone && !(near && fitted.count(this->Complex.blocks[sector.block].vertices[corner]) > 0);
+      }
+    }
     for (const std::vector<double>& list : lists)
     {
       patch.sectors.emplace_back();

@@ -235,22 +235,24 @@ void addSolution(
 
 /// Least squares between the mesh points: of the distances of the samples from the body along its normals, by
 /// Gauss-Newton rounds, in each of which closest points are found anew. Creases and borders are fitted as curves, too:
-/// to an edge of the body that they follow, in both directions across it, else along the normals.
+/// to an edge of the body that they follow, in both directions across it, else along the normals. Later rounds weight
+/// samples by 1 + (d / RMS)^2, d their distance: so the largest distances fall, too.
 void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& wall, const std::vector<Vec3>& given,
   const BodySurface& body, const std::vector<Vec3>& target, const Execution& run, std::vector<Vec3>& x,
   BodyFitReport& report)
 {
-  constexpr int Rounds = 12, Steps = 200;
+  constexpr int Rounds = 12, UnweightedRounds = 4, Steps = 400;
   // What is left of the gradient.
   constexpr double Tolerance = 1e-3;
   // Of the limit points of what is not free, against samples. Movement counts so much, along the body and across it.
-  constexpr double FixedWeight = 9.0, Damping = 3e-4;
-  // Of samples on curves: a span of them counts as much as three spans of the wall, which have three times as many.
-  constexpr double CurveWeight = 9.0;
+  constexpr double FixedWeight = WallSamples::PerSpan * WallSamples::PerSpan, Damping = 5e-4;
+  // Of samples on curves: a span of them counts as much as three spans of the wall.
+  constexpr double CurveWeight = 3.0 * WallSamples::PerSpan;
   const WallSamples samples(complex, rows, wall, given);
   const Index count = wall.size();
   std::vector<Vec3> best = x;
-  double before = 0.0;
+  std::vector<double> weights(samples.size(), 1.0);
+  double least = 0.0, before = 0.0;
   for (int round = 0; round <= Rounds; ++round)
   {
     const std::vector<Vec3> at = samples.evaluate(x, run);
@@ -273,24 +275,40 @@ void fitBetween(const BlockComplex& complex, const LimitRows& rows, const Wall& 
       report.sampleRms[0] = rms;
       report.sampleDistance[0] = largest;
     }
-    if (round == 0 || rms < report.sampleRms[1])
+    // A mean near the largest one tells better than that whether a round was one to the good.
+    double powers = 0.0;
+    for (const Vec3& difference : off)
+    {
+      const double square = largest > 0.0 ? difference.squaredNorm() / (largest * largest) : 0.0;
+      powers += square * square * square * square;
+    }
+    const double high = samples.size() > 0
+      ? largest * std::sqrt(std::sqrt(std::sqrt(powers / static_cast<double>(samples.size()))))
+      : 0.0;
+    if (round == 0 || high < least)
     {
       best = x;
+      least = high;
       report.sampleRms[1] = rms;
       report.sampleDistance[1] = largest;
     }
     // Where hardly anything changes any more, no further round.
-    const bool settled = round > 0 && std::abs(rms - before) <= 0.01 * before;
-    before = rms;
-    if (round == Rounds || settled)
+    const bool settled = round > UnweightedRounds && std::abs(high - before) <= 0.01 * before;
+    before = high;
+    if (round == Rounds || settled || !(rms > 0.0))
     {
       break;
     }
+    for (Index i = 0; i < samples.size() && round >= UnweightedRounds; ++i)
+    {
+      // The mean with the weight of the round before keeps rounds from taking turns between two states.
+      weights[i] = std::sqrt(weights[i] * (1.0 + off[i].squaredNorm() / (rms * rms)));
+    }
     // Normal equations of the movement d, at the points in the samples' order.
     const auto gradient = [&](std::vector<Vec3> off, const std::vector<Vec3>& fixedOff) {
-      for (Index i = samples.firstOnCurves(); i < samples.size(); ++i)
+      for (Index i = 0; i < samples.size(); ++i)
       {
-        off[i] *= CurveWeight;
+        off[i] *= i < samples.firstOnCurves() ? weights[i] : CurveWeight * weights[i];
       }
       std::vector<Vec3> sum = samples.transposed(off, run);
       for (const Index i : samples.ordered())

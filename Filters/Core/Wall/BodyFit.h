@@ -42,9 +42,10 @@ struct BodyFitOptions
   /// The given points are control points and stay so, except on creases, borders and corners: where these follow an
   /// edge of the body, their limit points are moved to it. Needs `body`.
   bool edgesOnly = false;
-  /// After that the wall is fitted to the body between its mesh points: least squares of the distances at 3 x 3 samples
-  /// a span. Mesh points are then approximated, not interpolated; creases, borders, corners and the points around
-  /// extraordinary vertices stay as they were found. Needs `body`, not with `edgesOnly`.
+  /// After that the wall is fitted to the body between its mesh points: least squares of the distances at 4 x 4 samples
+  /// a span, then with more weight where they are large. Mesh points are then approximated, not interpolated; creases,
+  /// borders, corners and the points around extraordinary vertices stay as they were found. Needs `body`, not with
+  /// `edgesOnly`.
   bool leastSquares = false;
   /// The iteration stops when no limit point is farther from its target than this fraction of the wall's bounding-box
   /// diagonal. Range (0, 1).

@@ -13,8 +13,8 @@
 namespace bsv
 {
 
-/// 3 x 3 samples in every span of the wall's faces, but for those nearer than two spans to an extraordinary vertex,
-/// then 3 in every span of its creases and borders. The points of these are weighted means of the latter alone. Faces
+/// 4 x 4 samples in every span of the wall's faces, but for those nearer than two spans to an extraordinary vertex,
+/// then 4 in every span of its creases and borders. The points of these are weighted means of the latter alone. Faces
 /// are looked at in an order and from corners that their points decide, so that results are the same bits for any
 /// numbering and orientation of the blocks.
 class WallSamples
@@ -22,7 +22,8 @@ class WallSamples
 public:
   WallSamples(const BlockComplex& complex, const LimitRows& rows, const Wall& wall, const std::vector<Vec3>& given);
 
-  static constexpr int PerSpan = 3;
+  /// The curvature of real bodies can change several times in a span: 3 miss what is between them.
+  static constexpr int PerSpan = 4;
 
   Index size() const { return this->Count; }
   /// The first of the samples on creases and borders: those of one span follow each other along the curve.
