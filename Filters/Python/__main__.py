@@ -77,12 +77,23 @@ def is_folder(path):
     return path.endswith(os.sep) or os.path.isdir(path)
 
 
+def require_other_file(path, arguments):
+    """An output that replaces an input would be the end of it."""
+    inputs = pipeline.files_of_mesh(arguments.mesh) + ([arguments.body_file] if arguments.body_file else [])
+    is_mesh = os.path.splitext(path)[1].lower() in pipeline.WRITERS and not pipeline.writer_of(path)[1]
+    for file in pipeline.files_of_mesh(path) if is_mesh else [path]:
+        for one in inputs:
+            if os.path.exists(file) and os.path.exists(one) and os.path.samefile(file, one):
+                raise bsv.Error(f"{path}: writing it would replace the input {one}; choose another name")
+
+
 def convert(arguments):
     for path in arguments.output:  # not to fail after the work
         if is_folder(path):
             os.makedirs(path, exist_ok=True)
         else:
             pipeline.writer_of(path)
+            require_other_file(path, arguments)
     volume = converted(arguments)
     print(volume.report)
     for path in arguments.output:
@@ -129,6 +140,7 @@ def check(arguments):
 
 def report(arguments):
     pipeline.require_folder(arguments.output)
+    require_other_file(arguments.output, arguments)
     write_report(arguments.output, converted(arguments), arguments)
     return 0
 
@@ -136,12 +148,14 @@ def report(arguments):
 def levels(arguments):
     if pipeline.writer_of(arguments.output)[1]:
         raise bsv.Error(f"{arguments.output}: the file would be the exact volume, which has no levels")
+    name, ending = os.path.splitext(arguments.output)
+    paths = [f"{name}_L{level}{ending}" for level in range(arguments.levels + 1)]
+    if ending.lower() == ".foam":  # a case is a folder
+        paths = [os.path.join(os.path.splitext(path)[0], os.path.basename(path)) for path in paths]
+    for path in paths:
+        require_other_file(path, arguments)
     volume = converted(arguments)
-    for level in range(arguments.levels + 1):
-        name, ending = os.path.splitext(arguments.output)
-        path = f"{name}_L{level}{ending}"
-        if ending.lower() == ".foam":  # a case is a folder
-            path = os.path.join(f"{name}_L{level}", os.path.basename(path))
+    for level, path in enumerate(paths):
         cells = sum((s.shape[0] - 1) * (s.shape[1] - 1) * (s.shape[2] - 1) for s in volume.sample(level))
         volume.write(path, level=level)
         print(f"level {level}: {cells} cells, {path}")
@@ -163,7 +177,7 @@ def main(words=None):
     one.add_argument("--output", action="append", default=[], metavar="FILE",
                      help="file to write, by its ending (see formats), or a folder, FOLDER/, for all that one looks at "
                           "first: .qfmb, .vtpc files for ParaView and a report; may be repeated")
-    one.add_argument("--level", type=int, default=1, help="level of sampled meshes (1)")
+    one.add_argument("--level", type=int, default=1, choices=range(9), metavar="0..8", help="level of sampled meshes (1)")
     one.set_defaults(run=convert)
     one = commands.add_parser("check", help="validity of all spans; status 0 valid, 1 invalid, 2 undecided, 3 error",
                               description=check.__doc__)

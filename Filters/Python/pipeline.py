@@ -6,6 +6,7 @@ import os
 import re
 
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
+from vtkmodules.vtkCommonDataModel import vtkDataObject
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkTrivialProducer
 
 from . import BSplineVolumeFilters, BSplineVolumeReaders, BSplineVolumeWriters
@@ -53,8 +54,8 @@ def property_names(algorithm):
 
 
 def set_properties(algorithm, properties):
-    """Sets `Name=value` by SetName(value). A list goes to ClearNames() and AddName(item); an enumerated
-    property takes words_of() it, too.
+    """Sets `Name=value` by SetName(value). A list goes to ClearNames() and AddName(item), a single text as a list of one;
+    an enumerated property takes words_of() it, too.
 
     @throws TypeError for a property that does not exist, with the names alike
     @throws Error for a word or a value that the property does not take
@@ -65,14 +66,14 @@ def set_properties(algorithm, properties):
                          (f"; is it {' or '.join(alike)}?" if alike else ""))
 
     for name, value in properties.items():
-        if isinstance(value, (list, tuple)) and not hasattr(algorithm, "Set" + name):
+        if isinstance(value, (str, list, tuple)) and not hasattr(algorithm, "Set" + name):
             singular = name[:-3] + "y" if name.endswith("ies") else name[:-1] if name.endswith("s") else name
             adder = getattr(algorithm, "Add" + singular, None)
             clearer = getattr(algorithm, "Clear" + name, None) or getattr(algorithm, "Clear" + name + "s", None)
             if adder is None or clearer is None:
                 raise unknown(name)
             clearer()
-            for item in value:
+            for item in [value] if isinstance(value, str) else value:
                 adder(*item) if isinstance(item, (list, tuple)) else adder(item)
             continue
         setter = getattr(algorithm, "Set" + name, None)
@@ -102,6 +103,16 @@ def set_properties(algorithm, properties):
 def message(text):
     """What VTK's event says, without the class and the address of who says it."""
     return text.strip().split("): ", 1)[-1].strip()
+
+
+def input_message(algorithm, text):
+    """What VTK says of data that an algorithm does not take, without numbers and addresses."""
+    found = re.search(r"on input port index (\d+) for algorithm (\w+) .* is of type (\w+)", text)
+    if found is None or found[2] != algorithm.GetClassName():
+        return text
+    key, port = vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), algorithm.GetInputPortInformation(int(found[1]))
+    kinds = [port.Get(key, n) for n in range(port.Length(key))]
+    return f"{found[2][3:]} takes {' or '.join(kinds)}, not {found[3]}"
 
 
 def run(algorithm, progress=None):
@@ -139,7 +150,7 @@ def run(algorithm, progress=None):
         for one, tag in observed:
             one.RemoveObserver(tag)
     if errors or of_pipeline:
-        raise Error(errors[0] if errors else of_pipeline[0].splitlines()[0])
+        raise Error(errors[0] if errors else input_message(algorithm, of_pipeline[0].splitlines()[0]))
     return warnings
 
 
@@ -199,14 +210,30 @@ def is_volume_of_vtk(path):
     return bool(grids) and all(grid is not None and grid.GetFieldData().HasArray("KnotsU") for grid in grids)
 
 
+def why_unreadable(path, reader_classes):
+    """What a file is instead of what `reader_classes` read, or what the first of them says of it."""
+    if os.path.isdir(path):
+        return "it is a folder"
+    for others, kind in ((MESH_READERS, "mesh"), (BODY_READERS, "body"), (VOLUME_READERS, "volume")):
+        if others is not reader_classes and any(getattr(BSplineVolumeReaders, name)().CanReadFile(path) for name in others):
+            return f"it is a {kind}"
+    reader = getattr(BSplineVolumeReaders, reader_classes[0])()
+    reader.SetFileName(path)
+    try:
+        run(reader)
+    except Error as error:
+        return str(error).replace(path, "", 1).lstrip(":, ")
+    return "another kind of file"
+
+
 def source_of(data, reader_classes=None):
     """A producer of `data`: an algorithm, a data object, or the path of a file."""
     if isinstance(data, vtkAlgorithm):
         return data
     if hasattr(data, "to_vtk"):
         data = data.to_vtk()
-    if isinstance(data, (str, os.PathLike)):
-        path = os.fspath(data)
+    if isinstance(data, (str, bytes, os.PathLike)):
+        path = os.fsdecode(data)
         if not os.path.exists(path):
             raise Error(path + " does not exist")
         for name in reader_classes:
@@ -219,8 +246,12 @@ def source_of(data, reader_classes=None):
             reader = vtk_reader(path)
         if reader is None:
             raise Error(path + " is no file that " + " or ".join(name[3:] for name in reader_classes) + " can read" +
-                        (", and none of VTK's (" + " ".join(VTK_READERS) + ")" if reader_classes is MESH_READERS else ""))
+                        (", and none of VTK's (" + " ".join(VTK_READERS) + ")" if reader_classes is MESH_READERS else "") +
+                        ": " + why_unreadable(path, reader_classes))
         return reader
+    if not isinstance(data, vtkDataObject):
+        kind = type(data)
+        raise Error(f"a path, data of VTK or an algorithm that gives it is wanted, not {kind.__module__}.{kind.__name__}")
     producer = vtkTrivialProducer()
     producer.SetOutput(data)
     return producer
@@ -266,6 +297,12 @@ def writer_of(path):
     if ending != ".foam":  # a case makes its folder
         require_folder(path)
     return WRITERS[ending]
+
+
+def files_of_mesh(path):
+    """A PLOT3D file has its neutral map beside it; other meshes are one file."""
+    name, ending = os.path.splitext(path)
+    return [path] if ending.lower() in (".cgns", ".foam", *VTK_READERS) else [path, name + ".nmf"]
 
 
 def require_folder(path):

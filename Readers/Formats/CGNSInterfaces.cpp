@@ -10,16 +10,13 @@ namespace bsv::cgns
 namespace
 {
 
+/// -1 for a zone that is not among the blocks, as where some zones of a mesh were written alone.
 int donorBlock(const StructuredZone& own, const std::string& name)
 {
   // A donor may be given with its base: /base/zone.
   const std::string zone = name.substr(name.rfind('/') + 1);
   const auto found = own.blockOfName.find(zone);
-  if (found == own.blockOfName.end())
-  {
-    own.input.fail("there is no donor zone '" + name + "'");
-  }
-  return found->second;
+  return found == own.blockOfName.end() ? -1 : found->second;
 }
 
 void addInterface(const StructuredZone& zone, const DirectedRange& own, const DirectedRange& other,
@@ -206,8 +203,7 @@ void readInterfaces(const StructuredZone& zone)
     input.where = where + ", interface '" + name.data() + "'";
 
     DirectedRange own;
-    DirectedRange other;
-    if (!faceRange(zone, zone.block, range, own) || !faceRange(zone, donorBlock(zone, donor.data()), donorRange, other))
+    if (!faceRange(zone, zone.block, range, own))
     {
       continue; // a line or a point joins nothing
     }
@@ -219,7 +215,18 @@ void readInterfaces(const StructuredZone& zone)
       zone.declared.addBoundary(own, "Periodic", UnknownBoundaryType, input.where.substr(2));
       continue;
     }
-    addInterface(zone, own, other, range, donorRange, transform);
+    const int block = donorBlock(zone, donor.data());
+    if (block < 0)
+    {
+      input.left.add("interfaces left out whose donor zone is not among the blocks",
+        input.where.substr(2) + ": '" + donor.data() + "'");
+      continue;
+    }
+    DirectedRange other;
+    if (faceRange(zone, block, donorRange, other))
+    {
+      addInterface(zone, own, other, range, donorRange, transform);
+    }
   }
   input.where = where;
   readGeneralConnections(zone);

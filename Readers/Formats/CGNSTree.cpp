@@ -8,6 +8,7 @@
 #include VTK_CGNS(cgnslib.h)
 #include VTK_CGNS(cgns_io.h)
 // clang-format on
+#include <vtk_hdf5.h>
 
 #include <algorithm>
 #include <array>
@@ -56,11 +57,79 @@ const char* typesOf(const std::string& label)
   return found == types.end() ? nullptr : found->second;
 }
 
+/// The standard nests to about 10; a node that is its own descendant never ends.
+constexpr int MaxDepth = 30;
+
+/// Adds the groups below `group` that do not keep in which order their members were made, by their paths, with the
+/// number of members that are nodes.
+void addUnordered(hid_t group, const std::string& path, int depth, std::map<std::string, int>& found)
+{
+  std::vector<std::string> nodes;
+  H5G_info_t info;
+  if (depth > MaxDepth || H5Gget_info(group, &info) < 0)
+  {
+    return;
+  }
+  for (hsize_t n = 0; n < info.nlinks; ++n)
+  {
+    std::array<char, 1024> name{};
+    // What belongs to the node itself begins with a blank.
+    if (H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, n, name.data(), name.size(), H5P_DEFAULT) > 0 &&
+      name[0] != ' ')
+    {
+      nodes.emplace_back(name.data());
+    }
+  }
+  const hid_t made = H5Gget_create_plist(group);
+  unsigned int order = 0;
+  const bool known = H5Pget_link_creation_order(made, &order) >= 0;
+  H5Pclose(made);
+  if (known && (order & H5P_CRT_ORDER_TRACKED) == 0 && !nodes.empty())
+  {
+    found.emplace(path, static_cast<int>(nodes.size()));
+    return; // one is enough
+  }
+  for (const std::string& node : nodes)
+  {
+    const hid_t below = H5Gopen2(group, node.c_str(), H5P_DEFAULT);
+    if (below >= 0)
+    {
+      addUnordered(below, path + "/" + node, depth + 1, found);
+      H5Gclose(below);
+    }
+  }
+}
+
+/// Some versions of the CGNS library ask HDF5 for the children of a node in the order in which they were made, and see
+/// none where HDF5 was not told to keep it: then zones or boundary conditions would be missing without a word.
+std::map<std::string, int> unorderedNodes(const std::string& fileName)
+{
+  H5E_auto2_t report = nullptr;
+  void* data = nullptr;
+  H5Eget_auto2(H5E_DEFAULT, &report, &data);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  std::map<std::string, int> found;
+  const hid_t file = H5Fopen(fileName.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); // fails for ADF
+  const hid_t root = file < 0 ? file : H5Gopen2(file, "/", H5P_DEFAULT);
+  if (root >= 0)
+  {
+    addUnordered(root, "", 0, found);
+    H5Gclose(root);
+  }
+  if (file >= 0)
+  {
+    H5Fclose(file);
+  }
+  H5Eset_auto2(H5E_DEFAULT, report, data);
+  return found;
+}
+
 class TreeCheck
 {
 public:
   explicit TreeCheck(const std::string& fileName)
     : FileName(fileName)
+    , Unordered(unorderedNodes(fileName))
   {
     std::error_code failure;
     this->Bytes = static_cast<Index>(std::filesystem::file_size(fileName, failure));
@@ -89,8 +158,6 @@ public:
   }
 
 private:
-  /// The standard nests to about 10; a node that is its own descendant never ends.
-  static constexpr int MaxDepth = 30;
   /// Smallest space of a node in either format.
   static constexpr Index MinNodeBytes = 64;
 
@@ -120,6 +187,14 @@ private:
         "there are " + std::to_string(children) + " child nodes at depth " + std::to_string(depth) + ", " +
           std::to_string(this->Nodes) + " nodes so far; the file of " + std::to_string(this->Bytes) +
           " bytes cannot hold them");
+    }
+    const auto unordered = this->Unordered.find(path);
+    if (unordered != this->Unordered.end() && children < unordered->second)
+    {
+      this->fail(path,
+        "the CGNS library finds " + std::to_string(children) + " of its " + std::to_string(unordered->second) +
+          " child nodes, since the program that wrote the file did not let HDF5 keep their order; cgnsconvert -h -f " +
+          "writes it anew as it should be");
     }
     if (children == 0)
     {
@@ -191,6 +266,7 @@ private:
   }
 
   std::string FileName;
+  const std::map<std::string, int> Unordered;
   int File = 0;
   Index Bytes = 0;
   Index Limit = 0;

@@ -192,7 +192,7 @@ public:
     this->File.where.clear();
     if (this->Zones.blocks.empty() && this->Zones.hexZones.empty())
     {
-      this->File.fail("the file has no zones");
+      this->File.fail(this->Flat.empty() ? "the file has no zones" : this->Flat);
     }
     this->Declared.finish(this->Mesh, this->File.left);
     this->readCoordinates();
@@ -272,12 +272,21 @@ private:
     }
     GridBlock block;
     block.name = validUTF8(blockName(input, name.data()));
+    const std::string points =
+      std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) + " points";
+    if (std::all_of(size.begin(), size.begin() + 3, [](cgsize_t count) { return count > 0; }) &&
+      std::count(size.begin(), size.begin() + 3, 1) > 0)
+    {
+      input.left.add("zones left out that are no volumes", input.where.substr(2) + ": " + points);
+      this->Flat =
+        "no zone is a volume: '" + block.name + "' has " + points + "; hexahedra need at least 2 in each direction";
+      return;
+    }
     for (int d = 0; d < 3; ++d)
     {
       if (size[d] < 2 || size[d] > std::numeric_limits<int>::max())
       {
-        input.fail("the zone has " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
-          std::to_string(size[2]) + " points; hexahedra need at least 2 in each direction");
+        input.fail("the zone has " + points + "; hexahedra need at least 2 in each direction");
       }
       block.counts[d] = static_cast<int>(size[d]);
     }
@@ -320,6 +329,8 @@ private:
   std::vector<Place> Places;
   DeclaredConnectivity Declared;
   Families FamiliesOfBase;
+  /// What is wrong with a zone that is no volume.
+  std::string Flat;
   /// Blocks of the current base.
   std::map<std::string, int> BlockOfName;
   /// Names and sizes of the zones.

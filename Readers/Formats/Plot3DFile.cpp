@@ -146,7 +146,7 @@ std::vector<GridBlock> readPlot3D(
         std::find_if(blocks.begin(), blocks.end(), [](const GridBlock& block) { return block.isHere(); });
       if (own != blocks.end())
       {
-        refusePlanes(fileName, *own);
+        refuseOtherOrders(fileName, *own);
       }
     }
   }

@@ -83,7 +83,10 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options, const Ex
         (iblank == IBlank::Present ? " with iblank" : " without iblank");
     }
     const std::string mismatch = file.name() + ": the header promises " + describe(layout.counts) + ", that is " +
-      needs + " numbers, but the file has " + number(values) + ", down to line " + std::to_string(lines);
+      needs + " numbers, but the file has " + number(values) + ", down to line " + std::to_string(lines) +
+      (values == saturatingSum(header, saturatingProduct(6, points))
+          ? ", as if its numbers had decimal commas; write them with points"
+          : "");
     failure = expected ? mismatch : failure;
   }
   // A word instead of a number, or a missing blank, is the better explanation.

@@ -257,7 +257,7 @@ std::string otherKindOfBinary(InputFile& file, bool records)
   return {};
 }
 
-void refusePlanes(const std::string& fileName, const GridBlock& block)
+void refuseOtherOrders(const std::string& fileName, const GridBlock& block)
 {
   const Ijk& counts = block.counts;
   const Index size = block.size();
@@ -269,9 +269,24 @@ void refusePlanes(const std::string& fileName, const GridBlock& block)
   };
   const auto whole = [&](Index p, int axis) { return stored(axis * size + p); };
   const auto planes = [&](Index p, int axis) { return stored((3 * (p / layer) + axis) * layer + p % layer); };
-  if (minorityOfSigns(counts, whole) > 0.1 && minorityOfSigns(counts, planes) < 0.01)
+  const auto onePoint = [&](Index p, int axis) { return stored(3 * p + axis); };
+  // Few cells are sound by chance.
+  constexpr Index FewestCells = 8;
+  const Index cells = Index(counts[0] - 1) * (counts[1] - 1) * (counts[2] - 1);
+  if (cells < FewestCells || minorityOfSigns(counts, whole) <= 0.1)
+  {
+    return;
+  }
+  if (minorityOfSigns(counts, planes) < 0.01)
   {
     throw Error(fileName + ": the file is " + otherKinds().back().text);
+  }
+  if (minorityOfSigns(counts, onePoint) < 0.01)
+  {
+    throw Error(fileName +
+      ": the file has x, y and z of one point after the other; a grid in whole format has x of all points of a block, "
+      "then "
+      "y, then z");
   }
 }
 

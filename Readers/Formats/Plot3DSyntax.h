@@ -259,7 +259,8 @@ std::string otherKindOfText(InputFile& file, Index values, const Execution& run)
 /// @param records whether it has record markers: then a size that fits without them is a coincidence
 std::string otherKindOfBinary(InputFile& file, bool records);
 
-/// Planes format has the size of whole format: it shows in a mesh that is tangled one way and sound the other way.
-void refusePlanes(const std::string& fileName, const GridBlock& block);
+/// Planes format, or point after point, has the size of whole format: it shows in a mesh that is tangled one way and
+/// sound the other way.
+void refuseOtherOrders(const std::string& fileName, const GridBlock& block);
 
 } // namespace bsv::plot3d

@@ -20,9 +20,40 @@ bool isBlank(char c)
   return c == ' ' || c == '\n' || c == '\r' || c == '\t';
 }
 
-bool isExponent(char c)
+bool isSign(char c)
 {
-  return c == 'd' || c == 'D' || c == 'q' || c == 'Q' || c == '+' || c == '-';
+  return c == '+' || c == '-';
+}
+
+bool isExponentLetter(char c)
+{
+  return c == 'd' || c == 'D' || c == 'q' || c == 'Q';
+}
+
+bool isDigit(char c)
+{
+  return c >= '0' && c <= '9';
+}
+
+/// Where the next number begins in `begin` .. `end`, a text without blanks: numbers of a fixed width, such as E15.8,
+/// run into each other where they are negative. A sign between digits begins a number unless an exponent without a
+/// letter begins there, which has no decimal point and ends its number.
+const char* nextNumber(const char* begin, const char* end)
+{
+  const auto isLetter = [](char c) { return c == 'e' || c == 'E' || isExponentLetter(c); };
+  for (const char* at = begin; at != end && ++at != end;)
+  {
+    if (!isSign(*at) || at + 1 == end || !(isDigit(at[-1]) || at[-1] == '.') || !(isDigit(at[1]) || at[1] == '.'))
+    {
+      continue;
+    }
+    const char* stop = std::find_if_not(at + 1, end, isDigit);
+    if (std::any_of(begin, at, isLetter) || (stop != end && !isSign(*stop)))
+    {
+      return at;
+    }
+  }
+  return end;
 }
 
 } // namespace
@@ -237,6 +268,7 @@ bool ListReader::fetch()
       ++this->At;
     }
   }
+  this->At = nextNumber(this->Value, this->At);
   this->ValueEnd = this->At;
   if (this->ValueEnd - this->Value > MaxValue)
   {
@@ -264,7 +296,7 @@ double ListReader::parseReal() const
   const char* begin = this->Value + (*this->Value == '+');
   double value = 0.0;
   auto [end, failure] = std::from_chars(begin, this->ValueEnd, value);
-  if (failure == std::errc() && end != this->ValueEnd && isExponent(*end))
+  if (failure == std::errc() && end != this->ValueEnd && (isExponentLetter(*end) || isSign(*end)))
   {
     // Fortran's exponents: d or q for e, or no letter at all.
     std::string text(begin, end);

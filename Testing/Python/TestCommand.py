@@ -61,6 +61,8 @@ def main(command, folder):
     for file in mesh, files["demo_after.vtpc"]:
         assert "0 invalid" in run(command, "check", file)
     assert run(command, "--version").strip() == bsv.__version__
+    # An empty word, as of an unset variable of a shell, is a word.
+    assert "spans proven valid" in run(command, "check", mesh, "--body", "")
     missing = run(command, "check", os.path.join(folder, "missing.xyz"), status=3)
     assert missing.count("\n") == 1 and "missing.xyz does not exist" in missing, missing
 

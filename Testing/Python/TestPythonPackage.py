@@ -4,6 +4,7 @@ import contextlib
 import io
 import os
 import re
+import shutil
 import tempfile
 
 import bsplinevolume as bsv
@@ -187,6 +188,9 @@ def test_settings_of_the_command():
         expected = bsv.convert(mesh, CheckJoins=True, Continuity=1, WallSpacing=0.5)
         again = bsv.read(os.path.join(folder, "out.qfmb"))
         assert all((a.points == b.points).all() for a, b in zip(expected.blocks, again.blocks))
+        # A list of one.
+        status, text = run("BodyBoundaries=wall_wing")
+        assert status == 0 and "wall_wing: body" in text and "wall_fuselage: far field" in text, text
         for setting, words in (("Continuity=G2", "Continuity is SingleKnots or ExactG1, not G2"),
                                ("Continuity=7", "Continuity does not take 7"), ("Continity=ExactG1", "is it Continuity?"),
                                ("WallSpacing=wide", "WallSpacing does not take 'wide'"), ("WallSpacing", "PROPERTY=VALUE")):
@@ -199,6 +203,9 @@ def test_mistakes_in_the_command():
         mesh = os.path.join(folder, "wing.xyz")
         bsv.convert(wing()).write(mesh, level=0)
         gone = os.path.join(folder, "gone", "out")
+        first, body = mesh[:-4] + "_L0.xyz", mesh[:-4] + ".igs"
+        shutil.copy(mesh, first)
+        bsv.convert(wing()).write(body)
 
         def run(*words):
             text = io.StringIO()
@@ -218,7 +225,13 @@ def test_mistakes_in_the_command():
                                 (("levels", mesh, os.path.join(folder, "level")), "no writer for the ending ''"),
                                 (("levels", mesh, os.path.join(folder, "level.qfmb")), "no levels"),
                                 (("levels", mesh, os.path.join(folder, "level.cgns"), "--levels", "-1"), "invalid choice"),
-                                (("levels", mesh, os.path.join(folder, "level.cgns"), "--levels", "9"), "invalid choice")):
+                                (("levels", mesh, os.path.join(folder, "level.cgns"), "--levels", "9"), "invalid choice"),
+                                (("convert", mesh, "--level", "9"), "invalid choice"),
+                                (("convert", mesh, "--output", mesh), "replace the input " + mesh),
+                                (("convert", mesh, "--output", mesh[:-4] + ".p3d"), "replace the input " + mesh[:-4] + ".nmf"),
+                                (("convert", mesh, "--body-file", body, "--output", body), "replace the input " + body),
+                                (("report", mesh, "--output", mesh), "replace the input " + mesh),
+                                (("levels", first, mesh, "--levels", "1"), "replace the input " + first)):
             status, text = run(*words)
             assert status in (2, 3) and expected in text and "spans" not in text, (words, status, text)
         # Cases of OpenFOAM are folders: no level replaces another.
@@ -231,7 +244,12 @@ def test_errors():
     for call, words in ((lambda: bsv.convert("missing.xyz"), "missing.xyz does not exist"),
                         (lambda: bsv.convert(wing(), WallSpacing=2.0), "2"),
                         (lambda: bsv.convert(vtkUnstructuredGrid()), "the mesh has no blocks"),
-                        (lambda: bsv.convert(vtkPolyData()), "vtkPolyData"),
+                        (lambda: bsv.convert(vtkPolyData()), "vtkUnstructuredGrid, not vtkPolyData"),
+                        (lambda: bsv.convert(None), "not builtins.NoneType"),
+                        (lambda: bsv.convert(np.zeros((3, 3, 3, 3))), "not numpy.ndarray"),
+                        (lambda: bsv.convert(os.path.dirname(__file__)), "it is a folder"),
+                        (lambda: bsv.convert(__file__), "Fortran writes stars"),
+                        (lambda: bsv.convert(wing(), body=os.fsencode(__file__)), "neither an IGES, STEP"),
                         (lambda: bsv.read(__file__), "can read")):
         try:
             call()
@@ -239,6 +257,16 @@ def test_errors():
             assert words in str(error), str(error)
         else:
             raise AssertionError(words + ": no error")
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "wing.qfmb")
+        bsv.convert(wing()).write(file)
+        for call in (lambda: bsv.convert(file), lambda: bsv.convert(wing(), body=file)):
+            try:
+                call()
+            except bsv.Error as error:
+                assert "it is a volume" in str(error), str(error)
+            else:
+                raise AssertionError("a volume was taken for a mesh or a body")
     try:
         bsv.convert(wing(), NoSuchProperty=1)
     except TypeError as error:

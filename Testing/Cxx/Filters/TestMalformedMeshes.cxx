@@ -290,13 +290,6 @@ TEST(MalformedMeshes, CGNS)
         require(cg_zone_write(file, 1, "tets", cells, CGNS_ENUMV(Unstructured), &id));
       },
       { "zone 'tets'", "CoordinateX" } },
-    { "flat zone",
-      [&](int file) {
-        const cgsize_t flat[9] = { 3, 1, 3, 2, 0, 2, 0, 0, 0 };
-        int id = 0;
-        require(cg_zone_write(file, 1, "flat", flat, CGNS_ENUMV(Structured), &id));
-      },
-      { "zone 'flat'", "3 x 1 x 3" } },
     { "coordinates of another kind",
       [&](int file) {
         const std::vector<double> values(27, 1.0);
@@ -329,15 +322,6 @@ TEST(MalformedMeshes, CGNS)
         contact(file, 1, { 1, -2, 3 });
       },
       { "interface 'joint'", "(1, -2, 3)" } },
-    { "contact with an unknown zone",
-      [&](int file) {
-        const cgsize_t range[6] = { 3, 1, 1, 3, 3, 3 };
-        const cgsize_t donor[6] = { 1, 1, 1, 1, 3, 3 };
-        const int transform[3] = { 1, 2, 3 };
-        int id = 0;
-        require(cg_1to1_write(file, 1, 1, "joint", "zone 9", range, donor, transform, &id));
-      },
-      { "interface 'joint'", "zone 9" } },
   };
   MeshCase mesh = twoBlocks();
   mesh.interfaces.clear();

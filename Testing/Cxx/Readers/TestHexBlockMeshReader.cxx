@@ -287,6 +287,68 @@ TEST(HexBlockMeshReader, ReadsFortranListDirectedText)
   EXPECT_EQ(points(1, 1, 1), Vec3(1, 0.15, 2.5e-100));
 }
 
+TEST(HexBlockMeshReader, NumbersOfAFixedWidthRunIntoEachOther)
+{
+  TemporaryFolder folder;
+  MeshCase mesh = meshcases::cutBox({ 7, 3, 2 }, { { { 4 }, {}, {} } }, meshcases::wavy);
+  for (MeshCase::Block& block : mesh.blocks)
+  {
+    for (Vec3& point : block.points)
+    {
+      point -= Vec3(3.5, 1.5, 100.0);
+    }
+  }
+  for (const char* format : { "%15.8E", "%11.6f", "%24.16E" })
+  {
+    std::string joined;
+    for (const bool blanks : { false, true })
+    {
+      std::string text = "2\n5 4 3\n4 4 3\n";
+      int written = 0;
+      for (const MeshCase::Block& block : mesh.blocks)
+      {
+        for (int axis = 0; axis < 3; ++axis)
+        {
+          for (const Vec3& point : block.points)
+          {
+            char number[40];
+            std::snprintf(number, sizeof(number), format, point[axis]);
+            text += std::string(blanks ? " " : "") + number + (++written % 5 == 0 ? "\n" : "");
+          }
+        }
+      }
+      writeFile(folder / (blanks ? "apart.xyz" : "joined.xyz"), text);
+      joined = blanks ? joined : text;
+    }
+    ASSERT_NE(joined.find_first_of('-', joined.find_first_of('-') + 1), std::string::npos);
+    Reading apart;
+    read(apart, folder / "apart.xyz");
+    Reading together;
+    read(together, folder / "joined.xyz");
+    ASSERT_TRUE(together.errors.empty()) << together.errors[0];
+    const ReadMesh a = readMesh(apart);
+    const ReadMesh b = readMesh(together);
+    for (int block = 0; block < 2; ++block)
+    {
+      for (bsv::Index p = 0; p < a.mesh.blocks[block].points.size(); ++p)
+      {
+        ASSERT_EQ(a.mesh.blocks[block].points.atPlace(p), b.mesh.blocks[block].points.atPlace(p)) << format;
+      }
+    }
+  }
+  // Exponents without a letter stay with their numbers.
+  writeFile(folder / "exponents.xyz", "1 2 2 2\n1.5-100-2.5-.25+3.5D+2-1E-3+7 2*-.5-3\n 8*1 8*-1\n");
+  Reading reading;
+  read(reading, folder / "exponents.xyz");
+  ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+  const ReadMesh found = readMesh(reading);
+  const double expected[8] = { 1.5e-100, -2.5, -0.25, 350.0, -1e-3, 7.0, -0.5e-3, -0.5e-3 };
+  for (bsv::Index p = 0; p < 8; ++p)
+  {
+    EXPECT_EQ(found.mesh.blocks[0].points.atPlace(p)[0], expected[p]) << p;
+  }
+}
+
 TEST(HexBlockMeshReader, NeutralMapOfAnyOrientation)
 {
   TemporaryFolder folder;

@@ -19,6 +19,7 @@
 // clang-format off
 #include VTK_CGNS(cgns_io.h)
 // clang-format on
+#include <vtk_hdf5.h>
 
 #include <functional>
 #include <iostream>
@@ -173,6 +174,89 @@ void narrowIntegers(int file, double node)
 }
 
 } // namespace
+
+TEST(MeshFileHabits, NodesThatTheLibraryDoesNotSeeAreAnError)
+{
+  TemporaryFolder folder;
+  const std::string fileName = folder / "mesh.cgns";
+  writeChanged(twoBlocks(), fileName, [](int file) {
+    condition(file, 1, "skin", CGNS_ENUMV(BCWall), { 1, 1, 1, 5, 4, 1 });
+  });
+  // The group anew, as programs make it that do not ask HDF5 to keep the order of its members.
+  const hid_t file = H5Fopen(fileName.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t zone = H5Gopen2(file, "/Base/zone 1", H5P_DEFAULT);
+  const hid_t from = H5Gopen2(zone, "ZoneBC", H5P_DEFAULT);
+  const hid_t to = H5Gcreate2(zone, "new", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(to, 0);
+  ASSERT_GE(H5Ocopy(from, "skin", to, "skin", H5P_DEFAULT, H5P_DEFAULT), 0);
+  for (int n = 0; n < H5Aget_num_attrs(from); ++n)
+  {
+    const hid_t attribute =
+      H5Aopen_by_idx(from, ".", H5_INDEX_NAME, H5_ITER_INC, static_cast<hsize_t>(n), H5P_DEFAULT, H5P_DEFAULT);
+    std::array<char, 64> name{};
+    std::array<char, 256> value{};
+    ASSERT_GT(H5Aget_name(attribute, name.size(), name.data()), 0);
+    const hid_t type = H5Aget_type(attribute);
+    const hid_t space = H5Aget_space(attribute);
+    ASSERT_LE(H5Aget_storage_size(attribute), value.size());
+    ASSERT_GE(H5Aread(attribute, type, value.data()), 0);
+    const hid_t copy = H5Acreate2(to, name.data(), type, space, H5P_DEFAULT, H5P_DEFAULT);
+    ASSERT_GE(H5Awrite(copy, type, value.data()), 0);
+    H5Aclose(copy);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Aclose(attribute);
+  }
+  H5Gclose(to);
+  H5Gclose(from);
+  ASSERT_GE(H5Ldelete(zone, "ZoneBC", H5P_DEFAULT), 0);
+  ASSERT_GE(H5Lmove(zone, "new", zone, "ZoneBC", H5P_DEFAULT, H5P_DEFAULT), 0);
+  H5Gclose(zone);
+  H5Fclose(file);
+
+  Reading reading;
+  read(reading, fileName);
+  if (reading.errors.empty())
+  {
+    // This version of the library sees them.
+    EXPECT_EQ(boundaries(readMesh(fileName).mesh).size(), 1u);
+    return;
+  }
+  EXPECT_TRUE(mentions(reading.errors, { "mesh.cgns", "node /Base/zone 1/ZoneBC", "0 of its 1 child nodes" }))
+    << reading.errors[0];
+}
+
+TEST(MeshFileHabits, SomeZonesOfAMeshAreAMesh)
+{
+  TemporaryFolder folder;
+  MeshCase mesh = twoBlocks();
+  mesh.interfaces.clear();
+  writeChanged(mesh, folder / "mesh.cgns", [](int file) {
+    condition(file, 1, "skin", CGNS_ENUMV(BCWall), { 1, 1, 1, 5, 4, 1 });
+    const cgsize_t range[6] = { 1, 1, 1, 1, 4, 3 };
+    const cgsize_t donor[6] = { 7, 1, 1, 7, 4, 3 };
+    const int transform[3] = { 1, 2, 3 };
+    int id = 0;
+    require(cg_1to1_write(file, 1, 1, "left", "zone 9", range, donor, transform, &id));
+    const cgsize_t size[9] = { 3, 2, 1, 2, 1, 0, 0, 0, 0 };
+    require(cg_zone_write(file, 1, "a surface", size, CGNS_ENUMV(Structured), &id));
+  });
+  const Result found = readMesh(folder / "mesh.cgns");
+  EXPECT_EQ(found.mesh.blocks.size(), 2u);
+  EXPECT_EQ(boundaries(found.mesh)["skin: BCWall"].size(), 4u * 3);
+  EXPECT_TRUE(mentions(found.warnings, { "interfaces left out", "'zone 1'", "'left'", "'zone 9'" }));
+  EXPECT_TRUE(mentions(found.warnings, { "zones left out", "'a surface'", "3 x 2 x 1 points" }));
+
+  int file = 0;
+  int base = 0;
+  int zone = 0;
+  require(cg_open((folder / "surface.cgns").c_str(), CG_MODE_WRITE, &file));
+  require(cg_base_write(file, "Base", 3, 3, &base));
+  const cgsize_t size[9] = { 3, 2, 1, 2, 1, 0, 0, 0, 0 };
+  require(cg_zone_write(file, base, "a surface", size, CGNS_ENUMV(Structured), &zone));
+  require(cg_close(file));
+  EXPECT_NE(refusal(folder / "surface.cgns").find("no zone is a volume: 'a surface' has 3 x 2 x 1"), std::string::npos);
+}
 
 TEST(MeshFileHabits, BoundariesInEightWays)
 {
@@ -1240,6 +1324,41 @@ TEST(MeshFileHabits, PlanesFormatIsNamed)
   {
     EXPECT_NE(refusal(folder / name).find("planes format"), std::string::npos) << name;
   }
+}
+
+TEST(MeshFileHabits, PointAfterPointIsNamed)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = meshcases::cutBox({ 4, 3, 5 }, {}, meshcases::wavy);
+  std::vector<double> values;
+  for (const bsv::Vec3& point : mesh.blocks[0].points)
+  {
+    values.insert(values.end(), point.data(), point.data() + 3);
+  }
+  writeFile(folder / "text.x", textOf({ 1, 5, 4, 6 }, values));
+  EXPECT_NE(refusal(folder / "text.x").find("x, y and z of one point after the other"), std::string::npos);
+}
+
+TEST(MeshFileHabits, DecimalCommasAreNamed)
+{
+  TemporaryFolder folder;
+  std::string text = plot3D(meshcases::cutBox({ 4, 3, 5 }, {}, meshcases::wavy), { true });
+  for (std::size_t at = text.find('\n', text.find('\n') + 1); at != std::string::npos; at = text.find(' ', at + 1))
+  {
+    // Each number with a point that becomes a comma.
+    const std::size_t end = text.find_first_of(" \n", at + 1);
+    const std::size_t point = text.find('.', at);
+    if (point < end)
+    {
+      text[point] = ',';
+    }
+    else if (end != std::string::npos && std::isdigit(static_cast<unsigned char>(text[end - 1])))
+    {
+      text.insert(end, ",0");
+    }
+  }
+  writeFile(folder / "commas.x", text);
+  EXPECT_NE(refusal(folder / "commas.x").find("decimal commas"), std::string::npos) << refusal(folder / "commas.x");
 }
 
 TEST(MeshFileHabits, EncodingsAndPackedFilesAreNamed)
