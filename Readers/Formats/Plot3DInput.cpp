@@ -139,9 +139,16 @@ bool InputFile::joinRecords(Plot3DFormat format, ByteOrder order, const Executio
     {
       return false;
     }
-    const Index bytes = std::abs(readMarker(*this, at, marker, order));
-    if (bytes > this->Size - at - 2 * marker ||
-      std::abs(readMarker(*this, at + marker + bytes, marker, order)) != bytes)
+    // Negative in a part that another one follows; compared before its sign is dropped, which the lowest number has no room for.
+    const Index first = readMarker(*this, at, marker, order);
+    const Index most = this->Size - at - 2 * marker;
+    if (first > most || first < -most)
+    {
+      return false;
+    }
+    const Index bytes = std::abs(first);
+    const Index last = readMarker(*this, at + marker + bytes, marker, order);
+    if (last != bytes && last != -bytes)
     {
       return false;
     }
