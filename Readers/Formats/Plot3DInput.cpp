@@ -139,7 +139,8 @@ bool InputFile::joinRecords(Plot3DFormat format, ByteOrder order, const Executio
     {
       return false;
     }
-    // Negative in a part that another one follows; compared before its sign is dropped, which the lowest number has no room for.
+    // Negative in a part that another one follows; compared before its sign is dropped, which the lowest number has no
+    // room for.
     const Index first = readMarker(*this, at, marker, order);
     const Index most = this->Size - at - 2 * marker;
     if (first > most || first < -most)
