@@ -183,17 +183,17 @@ std::string signalText(int signal)
   switch (signal)
   {
     case SIGSEGV:
-      return "segmentation fault";
+      return "a segmentation fault";
     case SIGABRT:
-      return "abort";
+      return "an abort";
     case SIGFPE:
-      return "arithmetic error";
+      return "an arithmetic error";
     case SIGBUS:
-      return "bus error";
+      return "a bus error";
     case SIGILL:
-      return "illegal instruction";
+      return "an illegal instruction";
     case SIGXCPU:
-      return "time limit";
+      return "the time limit";
     default:
       return "signal " + std::to_string(signal);
   }
@@ -313,7 +313,7 @@ public:
       return {}; // someone else has waited for it
     }
     this->ExitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
-    this->End = WIFSIGNALED(status) ? "it ended with a " + signalText(WTERMSIG(status))
+    this->End = WIFSIGNALED(status) ? "it ended with " + signalText(WTERMSIG(status))
       : this->ExitCode == 0         ? ""
                                     : "it ended with code " + std::to_string(this->ExitCode);
     return this->End;
@@ -565,7 +565,7 @@ public:
         (this->Limits.writes ? "slow" : "too large"));
     }
     throw Error(this->Subject + this->Library + "failed" + (end.empty() ? "" : ": " + end) + "; the " + object +
-      " is damaged, or memory is short");
+      (this->Limits.writes ? " is full or damaged" : " is damaged") + ", or memory is short");
   }
 
 private:

