@@ -61,12 +61,12 @@ const char* typesOf(const std::string& label)
 constexpr int MaxDepth = 30;
 
 /// Adds the groups below `group` that do not keep in which order their members were made, by their paths, with the
-/// number of members that are nodes.
-void addUnordered(hid_t group, const std::string& path, int depth, std::map<std::string, int>& found)
+/// number of members that are nodes. @param left groups that may still be looked at: links can go round
+void addUnordered(hid_t group, const std::string& path, int depth, int& left, std::map<std::string, int>& found)
 {
   std::vector<std::string> nodes;
   H5G_info_t info;
-  if (depth > MaxDepth || H5Gget_info(group, &info) < 0)
+  if (depth > MaxDepth || --left < 0 || H5Gget_info(group, &info) < 0)
   {
     return;
   }
@@ -94,7 +94,7 @@ void addUnordered(hid_t group, const std::string& path, int depth, std::map<std:
     const hid_t below = H5Gopen2(group, node.c_str(), H5P_DEFAULT);
     if (below >= 0)
     {
-      addUnordered(below, path + "/" + node, depth + 1, found);
+      addUnordered(below, path + "/" + node, depth + 1, left, found);
       H5Gclose(below);
     }
   }
@@ -111,9 +111,15 @@ std::map<std::string, int> unorderedNodes(const std::string& fileName)
   std::map<std::string, int> found;
   const hid_t file = H5Fopen(fileName.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); // fails for ADF
   const hid_t root = file < 0 ? file : H5Gopen2(file, "/", H5P_DEFAULT);
+  // Other files of HDF5 are refused as such.
+  if (root >= 0 && H5Lexists(root, "CGNSLibraryVersion", H5P_DEFAULT) > 0)
+  {
+    constexpr int MostGroups = 1 << 20;
+    int left = MostGroups;
+    addUnordered(root, "", 0, left, found);
+  }
   if (root >= 0)
   {
-    addUnordered(root, "", 0, found);
     H5Gclose(root);
   }
   if (file >= 0)
