@@ -257,8 +257,9 @@ def shoot(paraview, plugin, name, events, folder, display, framebuffer, height, 
     os.makedirs(os.path.join(home, ".config", "ParaView"))
     manager = servermanager.vtkSMProxyManager
     number = "%d.%d.%d" % (manager.GetVersionMajor(), manager.GetVersionMinor(), manager.GetVersionPatch())
-    with open(os.path.join(home, ".config", "ParaView", "ParaView%s.ini" % number), "w") as file:
-        file.write(SETTINGS % height)
+    for file_name in "ParaView%s.ini" % number, "ParaView.ini":  # until ParaView 5, from 6 on
+        with open(os.path.join(home, ".config", "ParaView", file_name), "w") as file:
+            file.write(SETTINGS % height)
     script = os.path.join(home, "events.xml")
     write_events(script, events, home)
     process = subprocess.Popen(
