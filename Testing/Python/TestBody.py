@@ -11,7 +11,7 @@ import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bsv_support import (simple, vtk, bits, blocks, client, collection, coordinates, dimensions, failure, field, grid,
-                         main, messages, names, producer, update, values)
+                         main, messages, name_boundaries, names, producer, update, values)
 
 AXES = (1.5, 1.0, 0.7)
 CELLS, LAYERS = 8, 4
@@ -60,22 +60,6 @@ def ellipsoid(scale=1.0, offset=(0, 0, 0)):
     return read_g2([ellipsoid_patch(scale, offset)])
 
 
-def with_boundaries(data, tags, boundary_names):
-    """Adds the boundaries (block, face, tag) to a mesh."""
-    array = vtk.vtkIntArray()
-    array.SetName("Boundaries")
-    array.SetNumberOfComponents(3)
-    for row in tags:
-        array.InsertNextTuple3(*row)
-    strings = vtk.vtkStringArray()
-    strings.SetName("BoundaryNames")
-    for name in boundary_names:
-        strings.InsertNextValue(name)
-    data.GetFieldData().AddArray(array)
-    data.GetFieldData().AddArray(strings)
-    return data
-
-
 def shell(scale=1.0, cells=CELLS, boundary_names=("WALL", "FARFIELD")):
     """Mesh around the ellipsoid: wall points are on it, times `scale`."""
     made = []
@@ -96,7 +80,7 @@ def shell(scale=1.0, cells=CELLS, boundary_names=("WALL", "FARFIELD")):
 
             made.append(grid((cells, cells, LAYERS), place))
     tags = [(b, 4 + side, side) for b in range(6) for side in (0, 1)]
-    return with_boundaries(collection(made), tags, boundary_names)
+    return name_boundaries(collection(made), tags, boundary_names)
 
 
 def conversion(mesh, body=None, **properties):
@@ -123,7 +107,7 @@ def report(proxy):
 
 def box(cells=(3, 2, 2)):
     """Converted box with the wall z = 0."""
-    mesh = with_boundaries(collection([grid(cells, lambda i, j, k: (i / cells[0], j / cells[1], k / cells[2]))]),
+    mesh = name_boundaries(collection([grid(cells, lambda i, j, k: (i / cells[0], j / cells[1], k / cells[2]))]),
                            [(0, 4, 0)], ["body"])
     return conversion(mesh, InputPoints="ControlNet")
 

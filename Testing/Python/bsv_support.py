@@ -241,10 +241,10 @@ def creased_mesh():
 
 
 def name_boundaries(data, rows, labels):
-    """Gives a mesh boundaries: (block, face, number of the label, range of points along both axes of the face)."""
+    """Gives a mesh boundaries: (block, face, number of the label), and the range of points along both axes of the face, if any."""
     table = vtk.vtkIntArray()
     table.SetName("Boundaries")
-    table.SetNumberOfComponents(7)
+    table.SetNumberOfComponents(len(rows[0]))
     for row in rows:
         table.InsertNextTuple(row)
     strings = vtk.vtkStringArray()

@@ -14,6 +14,7 @@
 #include <vtkPoints.h>
 #include <vtkSMPTools.h>
 #include <vtkStructuredGrid.h>
+#include <vtk_hdf5.h>
 
 #include <gtest/gtest.h>
 
@@ -467,9 +468,14 @@ TEST_F(EveryAlgorithm, LibrariesThatFailWhileTheyWriteLeaveTheOldFile)
         const std::string place = which.name + ", " + kind + " " + std::to_string(n) + ": " + errors(told)[0];
         EXPECT_EQ(errors(told).size(), 1u) << place;
         EXPECT_NE(errors(told)[0].find(which.file), std::string::npos) << place;
-        // Where HDF5 2 cannot write it aborts, and the reason is lost.
         const bool aborts = errors(told)[0].find("abort; the disk is full or damaged") != std::string::npos;
-        if (full && !(aborts && extension != ".igs" && extension != ".stp"))
+#if H5_VERSION_GE(2, 0, 0)
+        // Where this HDF5 cannot write it aborts, and the reason is lost.
+        const bool reasonLost = aborts && (extension == ".cgns" || extension == ".h5");
+#else
+        const bool reasonLost = false;
+#endif
+        if (full && !reasonLost)
         {
           EXPECT_NE(errors(told)[0].find("No space left"), std::string::npos) << place;
           EXPECT_EQ(writer->GetErrorCode(), vtkErrorCode::OutOfDiskSpaceError) << place;
