@@ -21,10 +21,7 @@ git -C "$source" archive HEAD | tar -x -C "$folder/BSplineVolume"
 
 status=0
 inside "$folder" /BSplineVolume sh -eux -c '
-  export DEBIAN_FRONTEND=noninteractive
-  apt-get -q update
-  apt-get -q -y install --no-install-recommends ccache cmake g++ libeigen3-dev libosd-dev libvtk9-dev ninja-build python3-dev \
-    python3-pyvista python3-vtk9 xvfb
+  CMake/install-packages.sh debian-packages-vtk.txt
   cmake -S . -B build -G Ninja -DBUILD_TESTING=OFF
   cmake --build build
   modules=/BSplineVolume/build/lib/BSplineVolume
