@@ -253,22 +253,27 @@ bool ListReader::fetch()
   {
     return false;
   }
-  const auto inValue = [&] { return this->At != this->End && !isBlank(*this->At) && *this->At != ','; };
-  while (inValue())
-  {
-    ++this->At;
-  }
+  // Whether there is a sign after a digit or a point: other values, nearly all, are one number.
+  bool mayJoin = false;
+  const auto toEndOfValue = [&] {
+    for (char before = ' '; this->At != this->End && !isBlank(*this->At) && *this->At != ','; before = *this->At++)
+    {
+      mayJoin = mayJoin || (isSign(*this->At) && (isDigit(before) || before == '.'));
+    }
+  };
+  toEndOfValue();
   if (this->At == this->End && this->Remaining > 0)
   {
     // Longer than the buffer is no number.
     this->At = this->Value;
     this->refill();
-    for (this->Value = this->At; inValue();)
-    {
-      ++this->At;
-    }
+    this->Value = this->At;
+    toEndOfValue();
   }
-  this->At = nextNumber(this->Value, this->At);
+  if (mayJoin)
+  {
+    this->At = nextNumber(this->Value, this->At);
+  }
   this->ValueEnd = this->At;
   if (this->ValueEnd - this->Value > MaxValue)
   {
