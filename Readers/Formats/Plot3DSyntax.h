@@ -134,6 +134,8 @@ private:
   Index Remaining;
   std::vector<char> Buffer;
   /// Line ends before the buffer.
+  /// Whether numbers in the buffer may run into each other.
+  bool MayJoin = false;
   Index LinesBefore = 0;
   /// What is left of the buffer.
   const char* At;

@@ -56,6 +56,19 @@ const char* nextNumber(const char* begin, const char* end)
   return end;
 }
 
+/// Without that no number runs into another one. A loop that compilers vectorise: next to reading it costs nothing.
+bool hasSignAfterDigit(const char* begin, const char* end)
+{
+  unsigned char found = 0;
+  for (std::ptrdiff_t n = 1; n < end - begin; ++n)
+  {
+    const char before = begin[n - 1], c = begin[n];
+    found |=
+      static_cast<unsigned char>(((c == '+') | (c == '-')) & (((before >= '0') & (before <= '9')) | (before == '.')));
+  }
+  return found != 0;
+}
+
 } // namespace
 
 /// A binary file starts with counts of 4 or 8 bytes below 2^24 or with such a record marker: there is a zero byte
@@ -225,6 +238,7 @@ void ListReader::refill()
   this->Remaining -= added;
   this->At = this->Buffer.data();
   this->End = this->At + kept + added;
+  this->MayJoin = hasSignAfterDigit(this->At, this->End);
 }
 
 bool ListReader::atEnd()
@@ -253,24 +267,22 @@ bool ListReader::fetch()
   {
     return false;
   }
-  // Whether there is a sign after a digit or a point: other values, nearly all, are one number.
-  bool mayJoin = false;
-  const auto toEndOfValue = [&] {
-    for (char before = ' '; this->At != this->End && !isBlank(*this->At) && *this->At != ','; before = *this->At++)
-    {
-      mayJoin = mayJoin || (isSign(*this->At) && (isDigit(before) || before == '.'));
-    }
-  };
-  toEndOfValue();
+  const auto inValue = [&] { return this->At != this->End && !isBlank(*this->At) && *this->At != ','; };
+  while (inValue())
+  {
+    ++this->At;
+  }
   if (this->At == this->End && this->Remaining > 0)
   {
     // Longer than the buffer is no number.
     this->At = this->Value;
     this->refill();
-    this->Value = this->At;
-    toEndOfValue();
+    for (this->Value = this->At; inValue();)
+    {
+      ++this->At;
+    }
   }
-  if (mayJoin)
+  if (this->MayJoin)
   {
     this->At = nextNumber(this->Value, this->At);
   }
