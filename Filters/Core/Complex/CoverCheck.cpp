@@ -117,14 +117,15 @@ void CoverCheck::coverByCorners(
   std::vector<char> shared(count, 0);
   std::vector<Index> other(count, -1);
   std::vector<std::pair<Index, Index>> atClass;
-  for (Index part = 0; part < Parts; ++part)
+  const Index parts = 1 + std::min<Index>(count / QuadsPerPart, 7);
+  for (Index part = 0; part < parts; ++part)
   {
     atClass.clear();
     for (Index n = 0; n < count; ++n)
     {
       for (Index c : this->Classes.key(this->Surface.quadAt(single[n])))
       {
-        if (c % Parts == part)
+        if (c % parts == part)
         {
           atClass.push_back({ c, n });
         }
@@ -148,7 +149,7 @@ void CoverCheck::coverByCorners(
         for (int corner = 0; corner < 4; ++corner)
         {
           const Index c = key[corner];
-          if (c % Parts != part)
+          if (c % parts != part)
           {
             continue;
           }

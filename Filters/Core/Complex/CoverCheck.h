@@ -36,8 +36,8 @@ private:
   static constexpr Index Chunk = 1024;
   /// Quadrilaterals that follow each other in a box of the search.
   static constexpr Index Together = 8;
-  /// Corners are compared in so many parts, to need as little memory.
-  static constexpr Index Parts = 8;
+  /// Corners of many quadrilaterals are compared in up to 8 parts, to need less memory, but more time.
+  static constexpr Index QuadsPerPart = 1 << 17;
 
   const PointClasses& Classes;
 };
