@@ -445,11 +445,9 @@ int vtkBSplineVolumeDifference::RequestData(
     const bsv::BSplineVolumeBlocks after = bsv::bsplineVolumeBlocks(input, ranks);
     const bsv::BSplineVolumeBlocks before = bsv::bsplineVolumeBlocks(
       bsv::requiredInput(inputVector, 1, "Before: choose the B-spline volume to compare with"), ranks);
+    bsv::requireVolumes(after);
+    bsv::requireVolumes(before, "Before");
     checkAlike(after, before);
-    if (after.volumes.empty())
-    {
-      return;
-    }
     double controlPoints = 0.0;
     for (std::size_t b = 0; b < after.volumes.size(); ++b)
     {

@@ -137,6 +137,7 @@ int vtkBSplineVolumeIsoparametric::RequestData(
       }
     }
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *run.ranks);
+    bsv::requireVolumes(input);
 
     // Which directions are constant, and how many components a position has.
     const bool surfaces = this->Shape == SURFACES;

@@ -182,6 +182,7 @@ int vtkBSplineVolumeProbe::RequestData(
     bsv::requireFinitePoints(points, "Points", run);
     ranks.nextStep();
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), ranks);
+    bsv::requireVolumes(input);
     // On both sides of the question, and as arrays.
     bsv::requireMemory(static_cast<double>(points->GetNumberOfPoints()) *
         (2 * (sizeof(bsv::Triple) + sizeof(Answer)) + (this->ComputeDerivatives ? 14 : 5) * sizeof(double) +

@@ -426,10 +426,7 @@ int vtkBSplineVolumeQuality::RequestData(
     const bsv::Execution shared = bsv::filterExecution(this);
     const bsv::Ranks& ranks = *shared.ranks;
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), ranks);
-    if (input.volumes.empty())
-    {
-      return;
-    }
+    bsv::requireVolumes(input);
     const std::size_t count = input.volumes.size();
     std::vector<BlockSpans> blocks(count);
     double total = 0.0;

@@ -141,11 +141,8 @@ int vtkBSplineVolumeSampler::RequestData(
   const int success = bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
       bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *bsv::globalRanks());
+    bsv::requireVolumes(input);
     const std::size_t blocks = input.volumes.size();
-    if (blocks == 0)
-    {
-      return;
-    }
 
     warnings = bsv::uselessPatterns(
       "Body Boundaries", this->BodyBoundaries, bsv::defaultBodyBoundaries(), input.boundaryNames, input.boundaryTypes);

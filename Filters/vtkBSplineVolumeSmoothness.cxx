@@ -208,10 +208,7 @@ int vtkBSplineVolumeSmoothness::RequestData(
   return bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
       bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *bsv::globalRanks());
-    if (input.volumes.empty())
-    {
-      return;
-    }
+    bsv::requireVolumes(input);
     const std::vector<bsv::Interface> interfaces =
       interfacesOf(input, this->MatchTolerance, bsv::filterExecution(this, 0.0, 0.1));
 

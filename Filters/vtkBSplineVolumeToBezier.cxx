@@ -182,11 +182,8 @@ int vtkBSplineVolumeToBezier::RequestData(
   return bsv::execute(this, [&] {
     const bsv::BSplineVolumeBlocks input =
       bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), *bsv::globalRanks());
+    bsv::requireVolumes(input);
     const int blocks = static_cast<int>(input.volumes.size());
-    if (blocks == 0)
-    {
-      return;
-    }
     const bool faces = this->Cells != VOLUME;
     const std::vector<bool> wall = this->Cells == WALL
       ? wallFaces(input, vtkDataObject::GetData(inputVector[0], 0), *bsv::globalRanks())

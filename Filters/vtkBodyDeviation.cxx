@@ -670,10 +670,7 @@ int vtkBodyDeviation::RequestData(
       throw bsv::Error("Body is missing: choose a NURBS surface, or give one to the conversion");
     }
     const bsv::BSplineVolumeBlocks input = bsv::bsplineVolumeBlocks(bsv::requiredInput(inputVector, 0), ranks);
-    if (input.volumes.empty())
-    {
-      return;
-    }
+    bsv::requireVolumes(input);
     const std::vector<WallFace> faces = wallFaces(input,
       bsv::wallBoundaries(vtkDataObject::GetData(inputVector[0], 0), input.boundaryNames, input.boundaryTypes,
         this->BodyBoundaries, ranks),

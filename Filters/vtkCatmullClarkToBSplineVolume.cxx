@@ -155,9 +155,7 @@ void vtkCatmullClarkToBSplineVolume::SetBodyConnection(vtkAlgorithmOutput* outpu
 int vtkCatmullClarkToBSplineVolume::FillInputPortInformation(int, vtkInformation* info)
 {
   bsv::acceptMissing(info);
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  bsv::acceptMeshes(info);
   return 1;
 }
 

@@ -111,10 +111,6 @@ public:
   void operator()(vtkDataObject* input, vtkDataObject* body, vtkPartitionedDataSetCollection* output, vtkTable* verdict)
   {
     this->readMesh(input);
-    if (this->Mesh.blocks.empty())
-    {
-      return;
-    }
     this->readBody(body);
     this->setOptions();
     bsv::ConvertedMesh result;
@@ -155,10 +151,7 @@ private:
   void readMesh(vtkDataObject* input)
   {
     this->Mesh = bsv::blockMesh(input, this->MeshGrids, bsv::filterExecution(&this->Self, 0.0, 0.3));
-    if (this->Mesh.blocks.empty())
-    {
-      return;
-    }
+    bsv::requireBlocks(this->Mesh);
     bsv::requireMesh(this->MeshGrids, this->Ranks, "only meshes are converted");
 
     double controlPoints = 0.0;

@@ -8,6 +8,7 @@
 #include "Complex/MeshDoctor.h"
 #include "Data/BoundarySelection.h"
 #include "Data/HexBlockData.h"
+#include "Data/MeshInput.h"
 #include "Data/NURBSSurfaceData.h"
 #include "Execution/FilterExecution.h"
 #include "Ranks/Ranks.h"
@@ -511,9 +512,7 @@ int vtkHexBlockTopology::FillInputPortInformation(int port, vtkInformation* info
     info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
     return 1;
   }
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  bsv::acceptMeshes(info);
   return 1;
 }
 
@@ -544,6 +543,7 @@ int vtkHexBlockTopology::RequestData(
     const bsv::Execution run = bsv::filterExecution(this, 0.0, 0.6);
     const int rank = run.ranks->rank();
     const bsv::BlockMesh mesh = bsv::blockMesh(input, grids, run);
+    bsv::requireBlocks(mesh);
     bsv::BlockComplexOptions options;
     options.matchTolerance = this->MatchTolerance;
     options.allowDegenerate = this->AllowDegenerate;
@@ -556,15 +556,14 @@ int vtkHexBlockTopology::RequestData(
     }
     std::unique_ptr<const bsv::BodySurface> body;
     vtkDataObject* given = vtkDataObject::GetData(inputVector[1], 0);
-    if (run.ranks->any(given != nullptr) && !mesh.blocks.empty())
+    if (run.ranks->any(given != nullptr))
     {
       const std::vector<bsv::BodyPatch> patches = bsv::bodyPatches(given, *run.ranks);
       body = std::make_unique<bsv::BodySurface>(patches);
       rules.bodyTurn = [&](const bsv::Vec3& x, double length) { return bsv::bodyTurn(*body, x, length); };
     }
     std::vector<bsv::TurningEdge> turning;
-    const bsv::BlockComplex complex =
-      mesh.blocks.empty() ? bsv::BlockComplex{} : bsv::buildBlockComplex(mesh, options, rules, &turning, run);
+    const bsv::BlockComplex complex = bsv::buildBlockComplex(mesh, options, rules, &turning, run);
     const bsv::EntityClasses classes = bsv::classifyEntities(complex);
 
     const bsv::MeshDiagnosis diagnosis = bsv::diagnose(complex, bsv::filterExecution(this, 0.6, 0.8));

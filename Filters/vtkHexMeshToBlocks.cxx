@@ -2,6 +2,7 @@
 #include "vtkHexMeshToBlocks.h"
 
 #include "Data/HexMeshData.h"
+#include "Data/MeshInput.h"
 #include "Execution/FilterExecution.h"
 
 #include "vtkDataObject.h"
@@ -30,9 +31,14 @@ void vtkHexMeshToBlocks::SetBoundariesConnection(vtkAlgorithmOutput* output)
 int vtkHexMeshToBlocks::FillInputPortInformation(int port, vtkInformation* info)
 {
   bsv::acceptMissing(info);
+  if (port == 0)
+  {
+    bsv::acceptMeshes(info);
+    return 1;
+  }
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkStructuredGrid" : "vtkPolyData");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
   return 1;
 }
 
@@ -63,8 +69,9 @@ int vtkHexMeshToBlocks::RequestData(
     options.complex.maximumBlocks = this->MaximumNumberOfBlocks;
     options.complex.neighbours.mergePoints = this->MergePoints;
     options.complex.neighbours.matchTolerance = this->MatchTolerance;
-    const bsv::HexMeshReport report =
-      bsv::hexMeshToBlocks(input, boundaries, options, output, bsv::filterExecution(this));
+    const bsv::Execution run = bsv::filterExecution(this);
+    const bsv::HexMeshReport report = bsv::hexMeshToBlocks(input, boundaries, options, output, run);
+    bsv::requireBlocks(run.ranks->any(report.blocks > 0), report.notes, report.warnings);
 
     std::ostringstream text;
     text << report.cells << " hexahedra, " << report.blocks << " blocks, " << report.singularEdges

@@ -278,9 +278,7 @@ const char* vtkMirrorHexBlocks::GetSymmetryBoundary(int index) const
 int vtkMirrorHexBlocks::FillInputPortInformation(int, vtkInformation* info)
 {
   bsv::acceptMissing(info);
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  bsv::acceptMeshes(info);
   return 1;
 }
 
@@ -303,10 +301,7 @@ int vtkMirrorHexBlocks::RequestData(
     const bsv::Ranks& ranks = *run.ranks;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     bsv::BlockMesh mesh = bsv::blockMesh(input, grids, bsv::filterExecution(this, 0.0, 0.3));
-    if (mesh.blocks.empty())
-    {
-      return;
-    }
+    bsv::requireBlocks(mesh);
     bsv::requireMesh(grids, ranks, "mirror the mesh and convert the whole");
     bsv::checkFinitePoints(mesh, run);
     double points = 0.0;

@@ -262,9 +262,7 @@ void vtkWallSpacing::ClearSymmetryBoundaries()
 int vtkWallSpacing::FillInputPortInformation(int, vtkInformation* info)
 {
   bsv::acceptMissing(info);
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  bsv::acceptMeshes(info);
   return 1;
 }
 
@@ -300,10 +298,7 @@ int vtkWallSpacing::RequestData(vtkInformation*, vtkInformationVector** inputVec
     const bsv::Ranks& ranks = *shared;
     std::vector<vtkSmartPointer<vtkStructuredGrid>> meshGrids;
     const bsv::BlockMesh mesh = bsv::blockMesh(input, meshGrids, bsv::filterExecution(this, 0.0, 0.3));
-    if (mesh.blocks.empty())
-    {
-      return;
-    }
+    bsv::requireBlocks(mesh);
     bsv::requireMesh(meshGrids, ranks, "give Wall Spacing the mesh that the conversion gets");
     bsv::BlockComplexOptions complexOptions;
     complexOptions.creaseAngle = this->UseCreaseAngle ? this->CreaseAngle : 180.0;

@@ -72,10 +72,7 @@ void vtkBSplineVolumeWriter::WriteData()
       return;
     }
     const bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(this->GetInput(), *run.ranks);
-    if (blocks.volumes.empty())
-    {
-      throw bsv::Error("there is no block to write");
-    }
+    bsv::requireVolumes(blocks);
     const bsv::VolumeToWrite volume = bsv::volumeToWrite(blocks, run);
     if (extension != ".g2")
     {

@@ -2,6 +2,7 @@
 #include "vtkHexBlockMeshWriter.h"
 
 #include "Data/HexBlockData.h"
+#include "Data/MeshInput.h"
 #include "Execution/FilterExecution.h"
 #include "Formats/CGNSOutput.h"
 #include "Formats/MeshToWrite.h"
@@ -110,9 +111,7 @@ void vtkHexBlockMeshWriter::PrintSelf(ostream& os, vtkIndent indent)
 //------------------------------------------------------------------------------
 int vtkHexBlockMeshWriter::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Remove(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE());
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
-  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkStructuredGrid");
+  bsv::acceptMeshes(info);
   return 1;
 }
 
@@ -142,10 +141,7 @@ void vtkHexBlockMeshWriter::WriteData()
     }
     std::vector<vtkSmartPointer<vtkStructuredGrid>> grids;
     const bsv::BlockMesh mesh = bsv::blockMesh(this->GetInput(), grids, bsv::filterExecution(this, 0.0, 0.3));
-    if (mesh.blocks.empty())
-    {
-      throw bsv::Error("there is no block to write");
-    }
+    bsv::requireBlocks(mesh);
     bsv::checkFinitePoints(mesh, run);
     for (std::size_t b = 0; b < grids.size(); ++b)
     {

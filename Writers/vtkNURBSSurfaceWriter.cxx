@@ -45,10 +45,7 @@ double unitOf(vtkDataObject* input)
 bsv::SurfacesToWrite wallOf(vtkDataObject* input, const bsv::BoundaryPatterns& patterns, const bsv::Execution& run)
 {
   const bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(input, *run.ranks);
-  if (blocks.volumes.empty())
-  {
-    throw bsv::Error("there is no block to write");
-  }
+  bsv::requireVolumes(blocks);
   const bsv::VolumeToWrite volume = bsv::volumeToWrite(blocks, run);
   bsv::SurfacesToWrite surfaces = bsv::wallToWrite(
     volume, bsv::wallBoundaries(input, blocks.boundaryNames, blocks.boundaryTypes, patterns, *run.ranks), run);

@@ -75,10 +75,7 @@ void vtkQuadflowWriter::WriteData()
   const bsv::Execution run = bsv::filterExecution(this);
   this->SetErrorCode(bsv::writeTogether(this, this->FileName, *run.ranks, [&] {
     bsv::BSplineVolumeBlocks blocks = bsv::bsplineVolumeBlocks(this->GetInput(), *run.ranks);
-    if (blocks.volumes.empty())
-    {
-      throw bsv::Error("there is no block to write");
-    }
+    bsv::requireVolumes(blocks);
     if (const int rational = blocks.firstRational(); rational >= 0)
     {
       throw bsv::Error(

@@ -82,6 +82,15 @@ struct BSplineVolumeBlocks
 /// checkBSplineVolume() refuses, and interfaces or boundaries that cover only part of a face.
 BSPLINEVOLUMEFILTERS_EXPORT BSplineVolumeBlocks bsplineVolumeBlocks(vtkDataObject* input, const Ranks& ranks = Ranks());
 
+/// @throws Error if there is no block on any rank
+inline void requireVolumes(const BSplineVolumeBlocks& blocks, const char* input = "the input")
+{
+  if (blocks.volumes.empty())
+  {
+    throw Error(std::string(input) + " is empty: it has no B-spline volume");
+  }
+}
+
 /// Writes degree and knots of a block to its field data.
 BSPLINEVOLUMEFILTERS_EXPORT void setDegreeAndKnots(vtkStructuredGrid* grid, const BSplineVolume& volume);
 

@@ -147,9 +147,10 @@ std::vector<NamedLeaf> namedLeaves(vtkDataObject* input)
   return result;
 }
 
-BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Execution& run)
+BlockMesh blockMesh(vtkDataObject* given, std::vector<vtkSmartPointer<vtkStructuredGrid>>& grids, const Execution& run)
 {
   const Ranks& ranks = *run.ranks;
+  const vtkSmartPointer<vtkDataObject> input = withExplicitPoints(given);
   if (!ranks.any(needsBlocks(input)))
   {
     std::vector<Leaf> leaves = leavesOf(input);
@@ -162,9 +163,12 @@ BlockMesh blockMesh(vtkDataObject* input, std::vector<vtkSmartPointer<vtkStructu
   HexMeshReport report = hexMeshToBlocks(input, nullptr, {}, blocks, run);
   BlockMesh mesh = structuredBlocks(blocks, grids, ranks);
   mesh.notes = std::move(report.notes);
-  mesh.notes.insert(mesh.notes.begin(),
-    std::to_string(report.cells) + " unstructured hexahedra were made to " + std::to_string(report.blocks) +
-      " blocks (Hex Mesh To Blocks).");
+  if (!mesh.blocks.empty())
+  {
+    mesh.notes.insert(mesh.notes.begin(),
+      std::to_string(report.cells) + " unstructured hexahedra were made to " + std::to_string(report.blocks) +
+        " blocks (Hex Mesh To Blocks).");
+  }
   mesh.warnings = std::move(report.warnings);
   return mesh;
 }

@@ -57,6 +57,7 @@ BSPLINEVOLUMEFILTERS_EXPORT std::vector<NamedLeaf> namedLeaves(vtkDataObject* in
 
 /// The core's view of `input`. Surfaces beside blocks name their boundaries (SurfaceNames.h). Hexahedra that are not
 /// structured, or partly hidden, become blocks first (HexMeshData.h); BlockMesh::notes and BlockMesh::warnings tell it.
+/// Images and rectilinear grids are taken as structured grids, with points in double precision.
 /// Points stored as x y z triples of float or double are not copied. Collective: the result has the blocks of all
 /// ranks, with the points of those that are here.
 ///

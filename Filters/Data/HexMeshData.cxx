@@ -6,6 +6,7 @@
 #include "Data/BlockTags.h"
 #include "Data/HexBlockData.h"
 #include "Data/SurfaceNames.h"
+#include "Data/TreeLeaves.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/Ranks.h"
 
@@ -779,10 +780,11 @@ bool needsBlocks(vtkDataObject* input)
   return false;
 }
 
-HexMeshReport hexMeshToBlocks(vtkDataObject* input, vtkDataObject* surfaces, const HexMeshOptions& options,
+HexMeshReport hexMeshToBlocks(vtkDataObject* given, vtkDataObject* surfaces, const HexMeshOptions& options,
   vtkPartitionedDataSetCollection* output, const Execution& run)
 {
   const Ranks& ranks = *run.ranks;
+  const vtkSmartPointer<vtkDataObject> input = withExplicitPoints(given);
   HexMesh mesh;
   Collector collector(options, mesh);
   HexMeshReport report;

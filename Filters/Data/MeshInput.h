@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file MeshInput.h
-/// Filters of meshes refuse B-spline volumes: control points are no points of the mesh.
+/// What filters of meshes take: grids of hexahedra. They refuse B-spline volumes, whose control points are no points of
+/// the mesh, and inputs without any block.
 #pragma once
 
 #include "Base/Types.h"
+#include "Execution/FilterExecution.h"
+#include "Mesh/BlockMesh.h"
 #include "Ranks/Ranks.h"
 
 #include "vtkFieldData.h"
@@ -16,6 +19,42 @@
 
 namespace bsv
 {
+
+/// For FillInputPortInformation().
+inline void acceptMeshes(vtkInformation* port)
+{
+  port->Remove(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE());
+  for (const char* type :
+    { "vtkDataObjectTree", "vtkStructuredGrid", "vtkUnstructuredGrid", "vtkRectilinearGrid", "vtkImageData" })
+  {
+    port->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), type);
+  }
+}
+
+/// @param any whether any rank has a block
+/// @param notes, warnings what else is known of the input
+/// @throws Error if not
+inline void requireBlocks(bool any, const std::vector<std::string>& notes, const std::vector<std::string>& warnings)
+{
+  if (!any)
+  {
+    std::string text = "the input has no hexahedra";
+    for (const std::vector<std::string>* sentences : { &notes, &warnings })
+    {
+      for (const std::string& sentence : *sentences)
+      {
+        text += "; " + sentence;
+      }
+    }
+    throw Error(text);
+  }
+}
+
+/// @param mesh as blockMesh() gives it
+inline void requireBlocks(const BlockMesh& mesh)
+{
+  requireBlocks(!mesh.blocks.empty(), mesh.notes, mesh.warnings);
+}
 
 /// Collective.
 /// @param grids the blocks of a mesh, null for those on other ranks

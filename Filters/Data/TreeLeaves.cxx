@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Data/TreeLeaves.h"
 
+#include "Base/MemoryCheck.h"
 #include "Ranks/Ranks.h"
 
+#include <vtkCellData.h>
 #include <vtkCompositeDataSet.h>
+#include <vtkDataObjectTreeIterator.h>
+#include <vtkFieldData.h>
+#include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkMultiBlockDataSet.h>
 #include <vtkPartitionedDataSet.h>
 #include <vtkPartitionedDataSetCollection.h>
+#include <vtkPointData.h>
+#include <vtkRectilinearGrid.h>
 #include <vtkStructuredGrid.h>
 
 #include <algorithm>
@@ -68,6 +75,41 @@ void collectLeaves(vtkDataObject* node, const std::string& name, std::vector<Lea
   {
     leaves.push_back({ node, name, dataSet, 0 });
   }
+}
+
+/// Whether the points of a grid are given by spacings or coordinates per direction. @param[out] counts points per
+/// direction
+bool hasImplicitPoints(vtkDataObject* data, Ijk& counts)
+{
+  auto* image = vtkImageData::SafeDownCast(data);
+  auto* rectilinear = vtkRectilinearGrid::SafeDownCast(data);
+  if (image)
+  {
+    image->GetDimensions(counts.data());
+  }
+  else if (rectilinear)
+  {
+    rectilinear->GetDimensions(counts.data());
+  }
+  return image || rectilinear;
+}
+
+/// A structured grid with the same points and arrays.
+vtkSmartPointer<vtkStructuredGrid> structuredGrid(vtkDataSet* data, const Ijk& counts)
+{
+  const vtkIdType size = data->GetNumberOfPoints();
+  requireMemory(3.0 * sizeof(double) * static_cast<double>(size), data->GetClassName(), "its points");
+  double* points = nullptr;
+  vtkSmartPointer<vtkStructuredGrid> grid =
+    size > 0 ? blockGrid(counts, points) : vtkSmartPointer<vtkStructuredGrid>::New();
+  for (vtkIdType p = 0; p < size; ++p)
+  {
+    data->GetPoint(p, points + 3 * p);
+  }
+  grid->GetPointData()->ShallowCopy(data->GetPointData());
+  grid->GetCellData()->ShallowCopy(data->GetCellData());
+  grid->GetFieldData()->ShallowCopy(data->GetFieldData());
+  return grid;
 }
 
 /// Points per direction of a grid that can be a block.
@@ -216,6 +258,40 @@ std::vector<Leaf> leavesOf(vtkDataObject* input)
     collectLeaves(input, "", leaves);
   }
   return leaves;
+}
+
+vtkSmartPointer<vtkDataObject> withExplicitPoints(vtkDataObject* input)
+{
+  Ijk counts;
+  if (hasImplicitPoints(input, counts))
+  {
+    return structuredGrid(vtkDataSet::SafeDownCast(input), counts);
+  }
+  auto* tree = vtkDataObjectTree::SafeDownCast(input);
+  if (!tree)
+  {
+    return input;
+  }
+  vtkSmartPointer<vtkDataObjectTree> copy;
+  const auto leaves = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
+  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
+  {
+    vtkDataObject* leaf = leaves->GetCurrentDataObject();
+    if (hasImplicitPoints(leaf, counts))
+    {
+      if (!copy)
+      {
+        copy.TakeReference(tree->NewInstance());
+        copy->ShallowCopy(tree);
+      }
+      copy->SetDataSet(leaves, structuredGrid(vtkDataSet::SafeDownCast(leaf), counts));
+    }
+  }
+  if (copy)
+  {
+    return copy;
+  }
+  return input;
 }
 
 std::string blockName(const std::string& name, std::size_t leaf)

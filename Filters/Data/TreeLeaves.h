@@ -36,6 +36,9 @@ struct SharedLeaf
 /// Leaves in flat order, missing ones included. A leaf without a name has that of its parent: partitions have none.
 std::vector<Leaf> leavesOf(vtkDataObject* input);
 
+/// The same tree with images and rectilinear grids as structured grids, or `input` itself if it has none. May be null.
+vtkSmartPointer<vtkDataObject> withExplicitPoints(vtkDataObject* input);
+
 /// The name of a leaf, or one made of its place.
 std::string blockName(const std::string& name, std::size_t leaf);
 

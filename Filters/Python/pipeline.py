@@ -156,7 +156,7 @@ def run(algorithm, progress=None):
 
 #: VTK's own readers by the ending of files: module and class.
 VTK_READERS = {
-    **dict.fromkeys([".vts", ".vtu", ".vtm", ".vtmb"], ("vtkIOXML", "vtkXMLGenericDataObjectReader")),
+    **dict.fromkeys([".vts", ".vtu", ".vtm", ".vtmb", ".vti", ".vtr"], ("vtkIOXML", "vtkXMLGenericDataObjectReader")),
     ".vtpc": ("vtkIOXML", "vtkXMLPartitionedDataSetCollectionReader"),
     ".vtpd": ("vtkIOXML", "vtkXMLPartitionedDataSetReader"),
     ".pvtu": ("vtkIOXML", "vtkXMLPUnstructuredGridReader"),

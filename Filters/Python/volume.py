@@ -244,7 +244,7 @@ class Volume:
 def convert(mesh, body=None, progress=None, **properties):
     """Converts a block-structured hexahedral mesh to a Volume.
 
-    @param mesh path of a PLOT3D, CGNS, VTK (.vts .vtu .vtm .vtpc .vtk ..) or Exodus file, a data object of VTK, or an
+    @param mesh path of a PLOT3D, CGNS, VTK (.vts .vtu .vti .vtm .vtpc .vtk ..) or Exodus file, a data object of VTK, or an
         algorithm that gives one; blocks, or unstructured hexahedra
     @param body path of an IGES, STEP, BREP or .g2 file, a data object, or an algorithm; None for no body
     @param progress called with the fraction done; returns False to stop
@@ -259,10 +259,7 @@ def convert(mesh, body=None, progress=None, **properties):
     if body is not None:
         pipeline.connect(conversion.SetBodyConnection, body, pipeline.BODY_READERS)
     warnings = pipeline.run(conversion, progress)
-    volume = Volume(conversion.GetOutputDataObject(0), conversion.GetReport(), warnings)
-    if not volume.blocks:
-        raise pipeline.Error("the mesh has no blocks")
-    return volume
+    return Volume(conversion.GetOutputDataObject(0), conversion.GetReport(), warnings)
 
 
 def read(path):

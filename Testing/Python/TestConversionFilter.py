@@ -17,6 +17,14 @@ def conversion(mesh, **properties):
     return simple.CatmullClarkToBSplineVolume(Input=mesh if hasattr(mesh, "SMProxy") else producer(mesh), **properties)
 
 
+def array(name, numbers):
+    data = vtk.vtkDoubleArray()
+    data.SetName(name)
+    for number in numbers:
+        data.InsertNextValue(number)
+    return data
+
+
 def converted_demo():
     if not _CACHE:
         proxy = conversion(DEMO, UseCreaseAngle=1)
@@ -378,11 +386,57 @@ def test_recovers_after_an_error():
     assert bits(data) == bits(converted_demo()[1])
 
 
-def test_empty():
-    data, warnings = update(conversion(vtk.vtkPartitionedDataSetCollection()))
-    assert data.GetNumberOfPartitionedDataSets() == 0 and not warnings
-    data, warnings = update(conversion(collection([])))
-    assert data.GetNumberOfPartitionedDataSets() == 0 and not warnings
+def test_inputs_without_hexahedra():
+    surface = vtk.vtkUnstructuredGrid()
+    surface.SetPoints(grid((1, 1, 1), lambda *p: p).GetPoints())
+    surface.InsertNextCell(vtk.VTK_TRIANGLE, 3, (0, 1, 2))
+    for empty in (vtk.vtkPartitionedDataSetCollection(), vtk.vtkMultiBlockDataSet(), collection([]),
+                  collection([vtk.vtkStructuredGrid()]), vtk.vtkStructuredGrid(), vtk.vtkUnstructuredGrid(),
+                  vtk.vtkImageData(), surface):
+        text = failure(conversion(empty))
+        assert "the input has no hexahedra" in text, text
+        assert ("1 triangles and polygons are left out" in text) == (empty is surface), text
+
+
+def test_images_and_rectilinear_grids():
+    """They are structured grids whose points are given in another way, alone and in trees."""
+    image = vtk.vtkImageData()
+    image.SetExtent(2, 5, -1, 3, 0, 2)
+    image.SetSpacing(0.5, 0.25, 2.0)
+    image.SetOrigin(1.0, 2.0, 3.0)
+    rectilinear = vtk.vtkRectilinearGrid()
+    rectilinear.SetDimensions(4, 3, 5)
+    x = ((0.0, 1.0, 3.0, 4.0), (0.0, 2.0, 3.0), (0.0, 1.0, 2.0, 4.0, 8.0))
+    for name, places in zip("XYZ", x):
+        getattr(rectilinear, "Set%sCoordinates" % name)(array(name, places))
+    expected = {
+        image: grid((3, 4, 2), lambda i, j, k: (1 + 0.5 * i, 2 + 0.25 * j, 3 + 2.0 * k), (2, -1, 0)),
+        rectilinear: grid((3, 2, 4), lambda i, j, k: (x[0][i], x[1][j], x[2][k])),
+    }
+    for given, same in expected.items():
+        sharpness = array("CreaseSharpness", [10.0 * (n % 4 == 0) for n in range(given.GetNumberOfPoints())])
+        for data in (given, same):
+            data.GetPointData().AddArray(sharpness)
+        right, _ = update(conversion(same))
+        tree = vtk.vtkMultiBlockDataSet()
+        tree.SetBlock(0, given)
+        for data in (given, tree, collection([given])):
+            found, warnings = update(conversion(data))
+            assert bits(found) == bits(right) and not warnings
+        assert tree.GetBlock(0) is given
+        made, _ = update(simple.HexMeshToBlocks(Input=producer(given)))
+        assert len(blocks(made)) == 1 and blocks(made)[0].GetNumberOfCells() == given.GetNumberOfCells()
+        faces, _ = update(simple.HexBlockTopology(Input=producer(given)))
+        assert blocks(faces)[2].GetNumberOfCells() > 0
+    # Half of the cells hidden: as of a structured grid.
+    blanked = vtk.vtkUniformGrid()
+    blanked.SetDimensions(5, 3, 3)
+    blanked.AllocateCellGhostArray()
+    for cell in range(blanked.GetNumberOfCells()):
+        if cell % 4 < 2:
+            blanked.BlankCell(cell)
+    data, warnings = update(conversion(blanked))
+    assert dimensions(blocks(data)[0]) == (5, 5, 5) and "8 hidden" in warnings[0], warnings
 
 
 if __name__ == "__main__":

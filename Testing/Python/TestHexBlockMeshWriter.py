@@ -320,7 +320,7 @@ def test_what_cannot_be_written():
         assert "File Name is empty" in write_error(mesh, "")
         assert "sample it first" in write_error(DEMO, file("a.xyz"))
         assert "no Fortran unformatted" in write_error(mesh, file("a.foam"), Encoding="Fortran Unformatted")
-        assert "there is no block" in write_error(producer(collection([])), file("a.xyz"))
+        assert "has no hexahedra" in write_error(producer(collection([])), file("a.xyz"))
         odd = producer(collection([grid((3, 4, 4), lambda i, j, k: (i, j, float(k)))]))
         assert "has 3 cells along i, which 2 does not divide" in write_error(odd, file("a.xyz"), Levels=2)
         assert "No such file" in write_error(mesh, file("no/a.xyz"))

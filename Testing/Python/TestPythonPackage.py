@@ -243,8 +243,8 @@ def test_mistakes_in_the_command():
 def test_errors():
     for call, words in ((lambda: bsv.convert("missing.xyz"), "missing.xyz does not exist"),
                         (lambda: bsv.convert(wing(), WallSpacing=2.0), "2"),
-                        (lambda: bsv.convert(vtkUnstructuredGrid()), "the mesh has no blocks"),
-                        (lambda: bsv.convert(vtkPolyData()), "vtkUnstructuredGrid, not vtkPolyData"),
+                        (lambda: bsv.convert(vtkUnstructuredGrid()), "the input has no hexahedra"),
+                        (lambda: bsv.convert(vtkPolyData()), "vtkImageData, not vtkPolyData"),
                         (lambda: bsv.convert(None), "not builtins.NoneType"),
                         (lambda: bsv.convert(np.zeros((3, 3, 3, 3))), "not numpy.ndarray"),
                         (lambda: bsv.convert(os.path.dirname(__file__)), "it is a folder"),

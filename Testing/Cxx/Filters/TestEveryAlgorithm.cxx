@@ -9,6 +9,7 @@
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
+#include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
 #include <vtkPartitionedDataSetCollection.h>
 #include <vtkPoints.h>
@@ -521,6 +522,32 @@ TEST_F(EveryAlgorithm, OtherFilesOfTheSameLibraryAreNamed)
   const Told told = algorithms::run(reader);
   ASSERT_EQ(told.messages.size(), 1u);
   EXPECT_NE(told.messages[0].find("volume.h5: the file cannot be read as CGNS"), std::string::npos) << told.messages[0];
+}
+
+TEST_F(EveryAlgorithm, InputsWithoutBlocksAreOneError)
+{
+  vtkNew<vtkPartitionedDataSetCollection> tree;
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  vtkNew<vtkStructuredGrid> grid;
+  for (const Inputs::Case& which : All->filters())
+  {
+    for (vtkDataObject* empty :
+      { static_cast<vtkDataObject*>(tree), static_cast<vtkDataObject*>(blocks), static_cast<vtkDataObject*>(grid) })
+    {
+      const vtkSmartPointer<vtkAlgorithm> filter = which.make();
+      if (filter->GetNumberOfInputPorts() == 0)
+      {
+        continue;
+      }
+      filter->SetInputDataObject(0, empty);
+      const std::vector<std::string> messages = algorithms::run(filter).messages;
+      ASSERT_EQ(messages.size(), 1u) << which.name << ", " << empty->GetClassName();
+      EXPECT_TRUE(messages[0].find("has no hexahedra") != std::string::npos ||
+        messages[0].find("has no B-spline volume") != std::string::npos)
+        << which.name << ": " << messages[0];
+      EXPECT_EQ(algorithms::sizeOfOutputs(filter), 0) << which.name;
+    }
+  }
 }
 
 TEST_F(EveryAlgorithm, WritersWriteNoFileOfNothing)

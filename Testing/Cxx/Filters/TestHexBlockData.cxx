@@ -8,7 +8,6 @@
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
-#include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkIntArray.h>
 #include <vtkMultiBlockDataSet.h>
@@ -17,6 +16,7 @@
 #include <vtkPartitionedDataSetCollection.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkSOADataArrayTemplate.h>
 #include <vtkStringArray.h>
 #include <vtkStructuredGrid.h>
@@ -297,12 +297,12 @@ TEST(HexBlockData, CreaseSharpness)
 TEST(HexBlockData, RefusesWhatIsNoBlockMesh)
 {
   vtkNew<vtkMultiBlockDataSet> tree;
-  vtkNew<vtkImageData> image;
-  tree->SetBlock(0, image);
+  vtkNew<vtkPolyData> picture;
+  tree->SetBlock(0, picture);
   tree->GetMetaData(0u)->Set(vtkCompositeDataSet::NAME(), "picture");
   const std::string error = refusal(tree);
   EXPECT_NE(error.find("'picture'"), std::string::npos) << error;
-  EXPECT_NE(error.find("vtkImageData"), std::string::npos) << error;
+  EXPECT_NE(error.find("vtkPolyData"), std::string::npos) << error;
 
   MeshCase mesh = meshcases::cutBox({ 2, 2, 2 });
   auto flat = toGrid<vtkDoubleArray>(mesh.blocks[0]);
