@@ -14,7 +14,10 @@
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_ReportEntity.hxx>
 #include <STEPControl_Reader.hxx>
+#include <StepGeom_Surface.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepShape_Face.hxx>
+#include <StepShape_GeometricSet.hxx>
 #include <StepVisual_Invisibility.hxx>
 #include <StepVisual_InvisibleItem.hxx>
 #include <StepVisual_PresentationLayerAssignment.hxx>
@@ -28,6 +31,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TransferBRep.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 
@@ -349,6 +353,68 @@ TopoDS_Shape transfer(XSControl_Reader& reader, const std::string& fileName, std
   return all;
 }
 
+/// Faces that came of an entity.
+int faceCount(XSControl_Reader& reader, const Handle(Standard_Transient) & entity)
+{
+  return faceCount(TransferBRep::ShapeResult(reader.WS()->TransferReader()->TransientProcess(), entity));
+}
+
+/// @throws Error naming a surface of which no face came, and that is no part of another one: OpenCASCADE leaves it out
+/// without a word.
+void checkFaces(IGESControl_Reader& reader, const std::string& fileName)
+{
+  const Handle(IGESData_IGESModel) model = reader.IGESModel();
+  const auto entity = [&](int number) { return Handle(IGESData_IGESEntity)::DownCast(model->Value(number)); };
+  constexpr int Subfigure = 308;
+  constexpr int UnboundedPlane = 190;
+  const Interface_Graph graph(model, Standard_False);
+  std::unordered_set<Standard_Transient*> parts;
+  for (int i = 1; i <= model->NbEntities(); ++i)
+  {
+    const int type = entity(i).IsNull() ? 0 : entity(i)->TypeNumber();
+    for (Interface_EntityIterator used = graph.Shareds(model->Value(i));
+         (isIGESShape(type) || type == Subfigure) && used.More(); used.Next())
+    {
+      parts.insert(used.Value().get());
+    }
+  }
+  for (int i = 1; i <= model->NbEntities(); ++i)
+  {
+    const Handle(IGESData_IGESEntity) surface = entity(i);
+    const int type = surface.IsNull() ? 0 : surface->TypeNumber();
+    if (isIGESSurface(type) && isIGESShape(type) && type != UnboundedPlane && surface->BlankStatus() == 0 &&
+      parts.count(surface.get()) == 0 && faceCount(reader, surface) == 0)
+    {
+      throw Error(
+        fileName + ": surface " + labelOf(model, i) + " (" + typeOf(model, i) + ") cannot be converted to a face");
+    }
+  }
+}
+
+/// Counts faces, and surfaces that stand for themselves, of which no face came.
+void countLostFaces(STEPControl_Reader& reader, std::map<std::string, int>& dropped)
+{
+  const Handle(Interface_InterfaceModel) model = reader.WS()->Model();
+  const auto count = [&](const Handle(Standard_Transient) & entity) {
+    if (!entity.IsNull() && faceCount(reader, entity) == 0)
+    {
+      ++dropped[std::string(entity->DynamicType()->Name()) + " that is not converted to a face"];
+    }
+  };
+  for (int i = 1; i <= model->NbEntities(); ++i)
+  {
+    if (model->Value(i)->IsKind(STANDARD_TYPE(StepShape_Face)))
+    {
+      count(model->Value(i));
+    }
+    const auto set = Handle(StepShape_GeometricSet)::DownCast(model->Value(i));
+    for (int k = 1; !set.IsNull() && k <= set->NbElements(); ++k)
+    {
+      count(Handle(StepGeom_Surface)::DownCast(set->ElementsValue(k).Value()));
+    }
+  }
+}
+
 } // namespace
 
 Shape readIGES(const std::string& opened, const std::string& fileName, OpenCASCADESession& session)
@@ -372,6 +438,7 @@ Shape readIGES(const std::string& opened, const std::string& fileName, OpenCASCA
     iges->IGESModel()->ChangeGlobalSection().SetCascadeUnit(result.unit * 1000.0); // in millimetres
   }
   result.shape = transfer(*iges, fileName, result.dropped);
+  checkFaces(*iges, fileName);
   const auto entity = [iges](const TopoDS_Face& face) {
     return Handle(IGESData_IGESEntity)::DownCast(iges->WS()->TransferReader()->EntityFromShapeResult(face, AnyResult));
   };
@@ -418,6 +485,7 @@ Shape readSTEP(const std::string& opened, const std::string& fileName, const STE
   result.unit = lengths.IsEmpty() ? 0.0 : metres(lengths.First().ToCString());
   step->SetSystemLengthUnit(result.unit > 0.0 ? result.unit * 1000.0 : 1.0);
   result.shape = transfer(*step, fileName, result.dropped);
+  countLostFaces(*step, result.dropped);
   const Handle(Interface_InterfaceModel) model = step->Model();
   for (int i = 1; i <= model->NbEntities(); ++i)
   {

@@ -150,6 +150,13 @@ std::vector<std::pair<std::string, int>> looseParts(const TopoDS_Shape& shape)
   return parts;
 }
 
+/// "face 12 'wing'".
+std::string labelOf(const cad::Shape& shape, const TopoDS_Face& face, int number)
+{
+  const std::string name = shape.name(face);
+  return "face " + std::to_string(number) + (name.empty() ? "" : " '" + name + "'");
+}
+
 /// Gives the faces of a shape triangles. @param tolerance fraction of its size
 void tessellate(const TopoDS_Shape& shape, double tolerance)
 {
@@ -163,6 +170,26 @@ void tessellate(const TopoDS_Shape& shape, double tolerance)
   }
 }
 
+/// @throws Error naming the face at which tessellate() failed with `failure`
+[[noreturn]] void failAtFace(const cad::Shape& shape, const TopTools_IndexedMapOfShape& faces, double tolerance,
+  const Standard_Failure& failure, const std::string& fileName)
+{
+  const std::string why = std::string(": ") + failure.GetMessageString();
+  for (int f = 1; f <= faces.Extent(); ++f)
+  {
+    try
+    {
+      tessellate(faces(f), tolerance);
+    }
+    catch (const Standard_Failure&)
+    {
+      throw Error(fileName + ": " + labelOf(shape, TopoDS::Face(faces(f)), f) +
+        " cannot be cut out of its surface; do its boundary curves lie on it?" + why);
+    }
+  }
+  throw Error(fileName + ": its faces cannot be cut out of their surfaces" + why);
+}
+
 /// Adds face `number`, which the file may hide.
 void addFace(
   NURBSFileContent& content, cad::Shape& shape, const TopoDS_Face& face, int number, const std::string& fileName)
@@ -173,7 +200,7 @@ void addFace(
     return;
   }
   const std::string name = shape.name(face);
-  const std::string label = "face " + std::to_string(number) + (name.empty() ? "" : " '" + name + "'");
+  const std::string label = labelOf(shape, face, number);
   try
   {
     bool approximated = false;
@@ -216,7 +243,14 @@ NURBSFileContent readCADFile(
     TopExp::MapShapes(shape.shape, TopAbs_FACE, faces);
     if (!faces.IsEmpty())
     {
-      tessellate(shape.shape, tolerance);
+      try
+      {
+        tessellate(shape.shape, tolerance);
+      }
+      catch (const Standard_Failure& failure)
+      {
+        failAtFace(shape, faces, tolerance, failure, fileName);
+      }
       run.report(0.6);
     }
     for (int f = 1; f <= faces.Extent(); ++f)
@@ -233,7 +267,8 @@ NURBSFileContent readCADFile(
   catch (const Standard_Failure& failure)
   {
     const std::string why = failure.GetMessageString();
-    throw Error(fileName + ": OpenCASCADE cannot read it as a " + format + " file" + (why.empty() ? "" : ": " + why));
+    throw Error(fileName + ": OpenCASCADE cannot read it as " + (format == "IGES" ? "an " : "a ") + format + " file" +
+      (why.empty() ? "" : ": " + why));
   }
   return content;
 }

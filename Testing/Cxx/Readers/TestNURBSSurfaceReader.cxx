@@ -1005,7 +1005,143 @@ std::string plate(const std::string& knots, double height, const std::string& do
     ",1.,1." + z + domain + ";";
 }
 
+/// The four sides of a rectangle at z = height, as lines in the order of a loop.
+std::vector<IGESEntity> rectangle(double x0, double x1, double y0, double y1, double height = 0.0)
+{
+  const std::array<std::array<double, 2>, 5> corners{ { { x0, y0 }, { x1, y0 }, { x1, y1 }, { x0, y1 }, { x0, y0 } } };
+  std::vector<IGESEntity> sides;
+  for (int s = 0; s < 4; ++s)
+  {
+    std::string text = "110";
+    for (const auto& corner : { corners[s], corners[s + 1] })
+    {
+      text += "," + std::to_string(corner[0]) + "," + std::to_string(corner[1]) + "," + std::to_string(height);
+    }
+    sides.push_back({ 110, text + ";" });
+  }
+  return sides;
+}
+
+/// A plate, trimmed by loops: entities 144, 142 and 102.
+std::vector<IGESEntity> trimmedPlate(const std::vector<std::vector<IGESEntity>>& loops)
+{
+  std::vector<IGESEntity> entities{ { 128, plate("0.,0.,1.,1.", 0.0) } };
+  const auto number = [&] { return std::to_string(2 * entities.size() + 1); };
+  std::string pointers;
+  for (const std::vector<IGESEntity>& sides : loops)
+  {
+    std::string curve = "102," + std::to_string(sides.size());
+    for (const IGESEntity& side : sides)
+    {
+      curve += "," + number();
+      entities.push_back(side);
+    }
+    const std::string composite = number();
+    entities.push_back({ 102, curve + ";" });
+    pointers += "," + number();
+    entities.push_back({ 142, "142,0,1,0," + composite + ",2;" });
+  }
+  entities.push_back({ 144, "144,1,1," + std::to_string(loops.size() - 1) + pointers + ";" });
+  return entities;
+}
+
 } // namespace
+
+TEST(NURBSSurfaceReader, SurfacesOfIGESAreTheRightOnes)
+{
+  const TemporaryFolder folder;
+  const double pi = std::acos(-1.0);
+  const std::string line = "110,1.,0.,0.,1.,0.,2.;"; // x = 1, along z
+  const std::string axis = "110,0.,0.,0.,0.,0.,1.;";
+  const std::string quarter = "100,0.,0.,0.,1.,0.,0.,1.;"; // of the unit circle
+  const std::string larger = "100,3.,0.,0.,2.,0.,0.,2.;";
+  struct Kind
+  {
+    const char* what;
+    std::vector<IGESEntity> entities;
+    double area;
+  };
+  std::vector<IGESEntity> bounded{ { 128, plate("0.,0.,1.,1.", 0.0) } };
+  for (const IGESEntity& side : rectangle(0.25, 0.75, 0.25, 0.5))
+  {
+    bounded.push_back(side);
+  }
+  bounded.push_back({ 141, "141,0,0,1,4,3,1,0,5,1,0,7,1,0,9,1,0;" });
+  bounded.push_back({ 143, "143,0,1,1,11;" });
+  const std::vector<Kind> kinds = {
+    { "ruled between lines",
+      { { 110, "110,0.,0.,0.,1.,0.,0.;" }, { 110, "110,0.,1.,0.,1.,1.,0.;" }, { 118, "118,1,3,0,0;" } }, 1.0 },
+    { "ruled, one backwards",
+      { { 110, "110,0.,0.,0.,1.,0.,0.;" }, { 110, "110,1.,1.,0.,0.,1.,0.;" }, { 118, "118,1,3,1,0;" } }, 1.0 },
+    // A quarter of a cone between circles of radius 1 and 2, 3 apart.
+    { "ruled between arcs", { { 100, quarter }, { 100, larger }, { 118, "118,1,3,0,0;" } },
+      pi / 4 * 3 * std::sqrt(10.0) },
+    { "revolution", { { 110, axis }, { 110, line }, { 120, "120,1,3,0.,6.283185307179586;" } }, 4 * pi },
+    { "part of a revolution",
+      { { 110, axis }, { 110, line }, { 120, "120,1,3,1.5707963267948966,3.141592653589793;" } }, pi },
+    { "tabulated cylinder", { { 100, quarter }, { 122, "122,1,1.,0.,3.;" } }, 1.5 * pi },
+    { "bounded", bounded, 0.125 },
+    { "trimmed", trimmedPlate({ rectangle(0.25, 0.75, 0.25, 0.5) }), 0.125 },
+    { "trimmed with a hole", trimmedPlate({ rectangle(0.0, 1.0, 0.0, 1.0), rectangle(0.25, 0.75, 0.25, 0.5) }), 0.875 },
+  };
+  for (const Kind& kind : kinds)
+  {
+    SCOPED_TRACE(kind.what);
+    writeFile(folder / "a.igs", igesFile(kind.entities));
+    Reading reading;
+    reading.read(folder / "a.igs");
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    EXPECT_TRUE(reading.warnings.empty()) << reading.warnings[0];
+    ASSERT_EQ(reading.reader->GetNumberOfPatches(), 1);
+    EXPECT_NEAR(areaOf(reading.patches()), kind.area, 1e-6 * kind.area);
+  }
+}
+
+TEST(NURBSSurfaceReader, SurfacesThatBecomeNoFaceAreNamed)
+{
+  const TemporaryFolder folder;
+  const std::string knots = "0.,0.,1.,1.";
+  // From a line to a point, which OpenCASCADE leaves out without a word.
+  writeFile(folder / "a.igs",
+    igesFile({ { 128, plate(knots, 0.0) }, { 110, "110,0.,0.,5.,1.,0.,5.;" }, { 116, "116,0.,1.,5.,0;" },
+      { 118, "118,3,5,0,0;" } }));
+  std::string error = refused(folder / "a.igs");
+  EXPECT_NE(error.find("surface D7 (type 118 (IGESGeom_RuledSurface)) cannot be converted"), std::string::npos)
+    << error;
+  // A loop that is elsewhere.
+  writeFile(folder / "b.igs", igesFile(trimmedPlate({ rectangle(10.0, 11.0, 10.0, 11.0) })));
+  error = refused(folder / "b.igs");
+  EXPECT_NE(error.find("face 1 cannot be cut out of its surface"), std::string::npos) << error;
+
+  // Of STEP files the rest is read.
+  const std::string head = "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\n"
+                           "FILE_NAME('t','2026-01-01T00:00:00',(''),(''),'','','');\n"
+                           "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n"
+                           "#1=APPLICATION_CONTEXT('a');\n#3=PRODUCT_CONTEXT('',#1,'mechanical');\n"
+                           "#4=PRODUCT('p','p','',(#3));\n#5=PRODUCT_DEFINITION_FORMATION('','',#4);\n"
+                           "#6=PRODUCT_DEFINITION_CONTEXT('part definition',#1,'design');\n"
+                           "#7=PRODUCT_DEFINITION('d','',#5,#6);\n#8=PRODUCT_DEFINITION_SHAPE('','',#7);\n"
+                           "#9=SHAPE_DEFINITION_REPRESENTATION(#8,#20);\n"
+                           "#10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n"
+                           "#11=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n"
+                           "#12=(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n"
+                           "#14=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#10,#11,#12))"
+                           "REPRESENTATION_CONTEXT('',''));\n"
+                           "#15=CARTESIAN_POINT('',(0.,0.,0.));\n#16=DIRECTION('',(0.,0.,1.));\n"
+                           "#17=DIRECTION('',(1.,0.,0.));\n#18=AXIS2_PLACEMENT_3D('',#15,#16,#17);\n"
+                           "#20=GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION('',(#18,#21),#14);\n";
+  writeFile(folder / "c.step",
+    head +
+      "#21=GEOMETRIC_SET('',(#31,#32));\n#30=PLANE('',#18);\n"
+      "#31=RECTANGULAR_TRIMMED_SURFACE('',#30,1.,3.,1.,2.,.T.,.T.);\n#32=SPHERICAL_SURFACE('',#18,1.);\n"
+      "ENDSEC;\nEND-ISO-10303-21;\n");
+  Reading reading;
+  reading.read(folder / "c.step");
+  ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+  EXPECT_EQ(reading.reader->GetNumberOfPatches(), 1);
+  EXPECT_NEAR(areaOf(reading.patches()), 2.0, 1e-9);
+  EXPECT_EQ(std::string(reading.reader->GetNotRead()), "1 StepGeom_SphericalSurface that is not converted to a face");
+}
 
 TEST(NURBSSurfaceReader, HabitsOfIGES)
 {
