@@ -279,6 +279,11 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
       const bsv::Plot3DLayout layout = bsv::plot3DLayout(fileName, options, run);
       blocks = bsv::readPlot3D(fileName, layout, run, piece);
       layoutName = "PLOT3D, " + layout.description();
+      if (layout.comments > 0)
+      {
+        warnings.push_back("comments at its beginning are left out (" + std::to_string(layout.comments) +
+          (layout.comments == 1 ? " line" : " lines") + "); PLOT3D has none, and other programs may refuse the file");
+      }
     }
     tellBlanked(blocks, *run.ranks, warnings);
     for (const bsv::GridBlock& block : blocks)

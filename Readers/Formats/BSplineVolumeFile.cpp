@@ -2,6 +2,7 @@
 #include "Formats/BSplineVolumeFile.h"
 
 #include "Formats/G2File.h"
+#include "IO/Encodings.h"
 
 #include <algorithm>
 #include <limits>
@@ -19,6 +20,14 @@ constexpr std::size_t HeadBytes = std::size_t(1) << 20;
 bool startsWith(const std::string& text, const char* head)
 {
   return text.rfind(head, 0) == 0;
+}
+
+/// The text of a file behind a byte order mark.
+std::string textOf(const std::string& fileName, std::size_t most, const Execution& run = {})
+{
+  std::string text = readTextFile(fileName, most, run);
+  text.erase(0, startsWithMark(text) ? 3 : 0);
+  return text;
 }
 
 /// Whether the text begins with a word of three digits, as the header of a g2 file does.
@@ -39,7 +48,7 @@ bool isBSplineVolumeFile(const std::string& fileName)
 {
   try
   {
-    const std::string text = readTextFile(fileName, HeadBytes);
+    const std::string text = textOf(fileName, HeadBytes);
     return startsWith(text, "MFEM NURBS") || (looksLikeG2(text) && hasG2Class(text, G2Volume));
   }
   catch (const Error&)
@@ -50,13 +59,13 @@ bool isBSplineVolumeFile(const std::string& fileName)
 
 BSplineVolumeFileContent readBSplineVolumeFile(const std::string& fileName, const Execution& run)
 {
-  const std::string head = readTextFile(fileName, HeadBytes);
+  const std::string head = textOf(fileName, HeadBytes);
   const bool g2 = looksLikeG2(head);
   if (!g2 && !startsWith(head, "MFEM"))
   {
     throw Error(fileName + (head.empty() ? ": the file is empty" : ": neither a GoTools g2 file nor an MFEM mesh"));
   }
-  const std::string text = readTextFile(fileName, std::numeric_limits<std::size_t>::max(), run);
+  const std::string text = textOf(fileName, std::numeric_limits<std::size_t>::max(), run);
   BSplineVolumeFileContent content = g2 ? parseG2Volumes(text, fileName, run) : parseMFEMMesh(text, fileName, run);
   if (content.blocks.empty())
   {

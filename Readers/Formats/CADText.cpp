@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/CADText.h"
 
-#include "Formats/Encodings.h"
+#include "IO/Encodings.h"
 
 #include <algorithm>
 #include <cctype>

@@ -102,7 +102,8 @@ void addRange(const StructuredZone& zone, const std::vector<cgsize_t>& points, C
   {
     if (!faceRange(zone, zone.block, range, found))
     {
-      return; // a line or a point bounds nothing
+      input.leaveOut("its range " + toString(range) + " is a line or a point");
+      return;
     }
   }
   catch (const Error& error)
@@ -176,7 +177,7 @@ void addList(const StructuredZone& zone, const std::vector<cgsize_t>& points, CG
       any = true;
     }
   }
-  if (!any && points.size() > 6)
+  if (!any)
   {
     input.leaveOut("its list covers no quadrilateral of the zone's faces");
   }
@@ -187,6 +188,11 @@ void readBoundary(const StructuredZone& zone, int number, const std::string& whe
   Input& input = zone.input;
   Condition condition = readCondition(input, number, where);
   const bool isRange = condition.set == CGNS_ENUMV(PointRange);
+  if (condition.set == CGNS_ENUMV(PointSetTypeNull) || condition.count == 0)
+  {
+    input.leaveOut("it has no points");
+    return;
+  }
   if (!isRange && condition.set != CGNS_ENUMV(PointList))
   {
     input.leaveOut(std::string("its points are given as ") + cg_PointSetTypeName(condition.set) +

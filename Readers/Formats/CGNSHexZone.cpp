@@ -181,6 +181,11 @@ void readHexBoundaries(Input& input, const Families& families, cgsize_t pointCou
     const cgsize_t count = condition.count;
     const bool range = set == CGNS_ENUMV(PointRange) || set == CGNS_ENUMV(ElementRange);
     const bool list = set == CGNS_ENUMV(PointList) || set == CGNS_ENUMV(ElementList);
+    if (set == CGNS_ENUMV(PointSetTypeNull) || count == 0)
+    {
+      input.leaveOut("it has no points");
+      continue;
+    }
     if ((!range && !list) || (range && count != 2) || count < 0 || count > 8 * pointCount)
     {
       input.leaveOut("its faces are given as " + std::to_string(count) + " points of a " + cg_PointSetTypeName(set));

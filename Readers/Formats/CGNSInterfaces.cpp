@@ -70,14 +70,17 @@ void addPeriodic(const StructuredZone& zone, int connection, CGNS_ENUMT(PointSet
 {
   Input& input = zone.input;
   const bool isRange = set == CGNS_ENUMV(PointRange) && count == 2;
+  const std::string where = input.where;
+  input.where += ", connection " + std::to_string(connection);
   if (!isRange && (set != CGNS_ENUMV(PointList) || !zone.canHave(count, isRange)))
   {
+    input.left.add("periodic sides without a name",
+      input.where.substr(2) + ", has " + std::to_string(count) + " points of a " + cg_PointSetTypeName(set));
+    input.where = where;
     return;
   }
   std::vector<cgsize_t> points(static_cast<std::size_t>(3 * count));
   input.check(cg_conn_read_short(input.file, input.base, input.zone, connection, points.data()), "points");
-  const std::string where = input.where;
-  input.where += ", connection " + std::to_string(connection);
   addBoundary(zone, isRange, points, location, { "Periodic", UnknownBoundaryType });
   input.where = where;
 }
@@ -223,10 +226,13 @@ void readInterfaces(const StructuredZone& zone)
       continue;
     }
     DirectedRange other;
-    if (faceRange(zone, block, donorRange, other))
+    if (!faceRange(zone, block, donorRange, other))
     {
-      addInterface(zone, own, other, range, donorRange, transform);
+      input.left.add("interfaces left out whose donor range is a line or a point",
+        input.where.substr(2) + ": " + toString(donorRange));
+      continue;
     }
+    addInterface(zone, own, other, range, donorRange, transform);
   }
   input.where = where;
   readGeneralConnections(zone);

@@ -14,6 +14,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <vector>
 
 namespace bsv
@@ -156,11 +157,12 @@ public:
   TreeCheck(const TreeCheck&) = delete;
   TreeCheck& operator=(const TreeCheck&) = delete;
 
-  void run()
+  std::set<std::string> run()
   {
     double root = 0.0;
     this->check(cgio_get_root_id(this->File, &root), "");
     this->checkChildren(root, "", 0);
+    return this->WithoutPoints;
   }
 
 private:
@@ -234,6 +236,17 @@ private:
     std::array<char, 1024> text{};
     this->check(cgio_get_label(this->File, node, text.data()), path);
     const std::string label = text.data();
+    if (label == "BC_t")
+    {
+      this->WithoutPoints.insert(path);
+    }
+    if (label == "IndexRange_t" || label == "IndexArray_t")
+    {
+      const std::size_t slash = path.rfind('/');
+      const std::string name = path.substr(slash + 1);
+      const bool points = name.rfind("Point", 0) == 0 || name.rfind("Element", 0) == 0;
+      this->WithoutPoints.erase(points ? path.substr(0, slash) : "");
+    }
     this->check(cgio_get_data_type(this->File, node, text.data()), path);
     const std::string type = text.data();
     const int size = valueSize(type);
@@ -277,13 +290,14 @@ private:
   Index Bytes = 0;
   Index Limit = 0;
   Index Nodes = 0;
+  std::set<std::string> WithoutPoints;
 };
 
 } // namespace
 
-void checkCGNSTree(const std::string& fileName)
+std::set<std::string> checkCGNSTree(const std::string& fileName)
 {
-  TreeCheck(fileName).run();
+  return TreeCheck(fileName).run();
 }
 
 } // namespace bsv

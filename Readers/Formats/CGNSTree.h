@@ -4,13 +4,15 @@
 /// data than there is memory, and overruns its buffers if one has a type it does not know.
 #pragma once
 
+#include <set>
 #include <string>
 
 namespace bsv
 {
 
 /// Checks type, dimensions and data size of every node against the size of the file. Linked nodes are not followed.
+/// @return paths of boundary conditions without any points, at which some versions of the library refuse the file
 /// @throws Error naming file, node and value.
-void checkCGNSTree(const std::string& fileName);
+std::set<std::string> checkCGNSTree(const std::string& fileName);
 
 } // namespace bsv

@@ -28,13 +28,20 @@ std::string trimmed(const std::string& text)
 Input::Input(const std::string& name)
   : fileName(name)
 {
-  checkCGNSTree(name);
+  const std::set<std::string> withoutPoints = checkCGNSTree(name);
   // Without a handler the library writes to the console.
   cg_error_handler([](int, char*) {});
   if (cg_open(name.c_str(), CG_MODE_READ, &this->file) != CG_OK)
   {
     const std::string reason = cg_get_error();
     cg_error_handler(nullptr);
+    if (!withoutPoints.empty())
+    {
+      this->fail("the boundary condition " + validUTF8(*withoutPoints.begin()) +
+        " has no points (PointRange or PointList), for which the CGNS library refuses the file; give it some, or "
+        "remove " +
+        "it: " + reason);
+    }
     this->fail("the file cannot be read as CGNS, it is damaged or no such file: " + reason);
   }
 }

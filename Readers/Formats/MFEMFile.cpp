@@ -134,9 +134,12 @@ private:
     for (std::size_t at = 0; at < text.size();)
     {
       const std::size_t end = std::min(text.find('\n', at), text.size());
-      if (text[at] != '#' && text.compare(at, 4, "MFEM") != 0)
+      // They come first. Other programs may have changed the ends of lines.
+      const auto isBlank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+      const bool blank = std::all_of(text.begin() + at, text.begin() + end, isBlank);
+      if (!blank && text[at] != '#' && text.compare(at, 4, "MFEM") != 0)
       {
-        return; // they come first
+        return;
       }
       for (int kind = 0; kind < 2; ++kind)
       {
@@ -150,7 +153,9 @@ private:
             std::from_chars(entry.data(), entry.data() + std::min(colon, entry.size()), attribute);
           if (colon != std::string::npos && error == std::errc() && stop == entry.data() + colon)
           {
-            this->Names[kind][attribute] = entry.substr(colon + 2);
+            std::string& name = this->Names[kind][attribute];
+            name = entry.substr(colon + 2);
+            name.erase(name.find_last_not_of(" \t\r") + 1);
           }
         }
       }

@@ -2,9 +2,9 @@
 #include "Formats/NURBSFile.h"
 
 #include "Formats/CADText.h"
-#include "Formats/Encodings.h"
 #include "Formats/G2File.h"
 #include "Formats/ReaderJobs.h"
+#include "IO/Encodings.h"
 #include "IO/RegularFile.h"
 #include "Volume/BSplineVolume.h"
 

@@ -75,6 +75,12 @@ bool isOneToOne(const std::string& kind)
   return std::find(std::begin(spellings), std::end(spellings), kind) != std::end(spellings);
 }
 
+/// Sides that a period maps onto each other, of which the mesh has both.
+bool isPeriodic(const std::string& kind)
+{
+  return kind.find("periodic") != std::string::npos || kind.find("cyclic") != std::string::npos;
+}
+
 bool isInteger(const std::string& word)
 {
   int value = 0;
@@ -130,6 +136,7 @@ private:
     return fileName;
   }
   std::string where() const { return this->FileName + ", line " + std::to_string(this->Line); }
+  std::string here() const { return "line " + std::to_string(this->Line) + " of the neutral map"; }
   [[noreturn]] void fail(const std::string& what) const { throw Error(this->where() + ": " + what); }
 
   /// Adds file and line to the errors of `check`.
@@ -224,7 +231,9 @@ private:
     const int expected = static_cast<int>(this->Mesh.blocks.size());
     if (!this->nextLine())
     {
-      this->fail("the number of blocks is missing");
+      throw Error(this->FileName +
+        (this->Line == 0 ? ": the file is empty" : ": the file holds nothing but blanks and comments") +
+        "; a neutral map starts with the number of blocks");
     }
     const int blocks = this->integer(0, "number of blocks");
     if (blocks != expected)
@@ -291,17 +300,25 @@ private:
     const std::string type = kind(this->Words[0]);
     if (type == "patched" || type == "unprocessed")
     {
+      this->Left.add("faces that are patched or unprocessed have no name; where their points match, blocks are joined",
+        this->here() + " (" + this->Words[0] + ")");
       return;
     }
     if (!isOneToOne(type))
     {
       // A side is a block, a face and two ranges.
-      if (this->Words.size() > 12)
+      const bool twoSides = this->Words.size() > 12;
+      if (twoSides && !isPeriodic(type))
       {
         this->fail("the type '" + this->Words[0].substr(0, 40) +
-          "' is followed by two sides; only ONE_TO_ONE joins two of them");
+          "' is followed by two sides; only ONE_TO_ONE and PERIODIC have two of them");
       }
-      this->readBoundary(trimmed(this->Words[0]));
+      this->readBoundary(trimmed(this->Words[0]), 1);
+      if (twoSides)
+      {
+        this->readBoundary(trimmed(this->Words[0]), 7);
+        this->Left.add("periodic sides are not joined: both are boundaries", this->here());
+      }
       return;
     }
     const DirectedRange a = this->readRange(1);
@@ -315,8 +332,8 @@ private:
     }
     else if (!swapped && lengths(a)[0] == lengths(a)[1])
     {
-      this->Left.add("contacts of squares have no swap flag and are left to the points, which say how blocks meet",
-        "line " + std::to_string(this->Line) + " of the neutral map");
+      this->Left.add(
+        "contacts of squares have no swap flag and are left to the points, which say how blocks meet", this->here());
       return;
     }
     this->located([&] { this->Declared.addContact(faceContact(a, b, swapped), this->where()); });
@@ -339,24 +356,23 @@ private:
   }
 
   /// A boundary that does not fit is left out, as long as it is one.
-  void readBoundary(const std::string& name)
+  void readBoundary(const std::string& name, std::size_t first)
   {
-    for (std::size_t word = 1; word <= 6; ++word)
+    for (std::size_t word = first; word < first + 6; ++word)
     {
       this->integer(word, "number of a boundary");
     }
     DirectedRange range;
     try
     {
-      range = this->readRange(1);
+      range = this->readRange(first);
     }
     catch (const Error& error)
     {
       this->Left.add("boundaries left out", error.what());
       return;
     }
-    this->Declared.addBoundary(
-      range, name, boundaryTypeOfName(name), "line " + std::to_string(this->Line) + " of the neutral map");
+    this->Declared.addBoundary(range, name, boundaryTypeOfName(name), this->here());
   }
 
   std::string FileName;

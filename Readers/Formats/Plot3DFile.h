@@ -6,7 +6,7 @@
 /// direction of every block, then per block all x, all y, all z and optionally all iblank values, i fastest. A file of
 /// a single block may lack the number of blocks. The kinds differ in how the sequence is stored:
 /// - ASCII: Fortran list-directed, that is separated by blanks, commas or line ends anywhere, with repeats `2*65` and
-///   exponents e, d or q;
+///   exponents e, d or q; lines before the first number that start with #, !, / or % are left out;
 /// - raw binary: nothing else;
 /// - Fortran unformatted: three sorts of records (number of blocks; points per direction; one block each) between
 ///   markers of 4 or 8 bytes that tell their length. Other records are read as well, such as one per coordinate, or
@@ -74,6 +74,8 @@ struct Plot3DLayout : Plot3DOptions
   bool joined = false;
   /// Bytes of an integer of a binary file: 4 or 8.
   int integerSize = 4;
+  /// Lines before the first number of an ASCII file that are left out.
+  Index comments = 0;
   /// Points per direction of every block.
   std::vector<Ijk> counts;
 

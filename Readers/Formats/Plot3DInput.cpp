@@ -2,7 +2,7 @@
 // A PLOT3D file as a sequence of bytes: plain, or the joined contents of Fortran records.
 #include "Formats/Plot3DSyntax.h"
 
-#include "Formats/Encodings.h"
+#include "IO/Encodings.h"
 #include "IO/RegularFile.h"
 
 #include <algorithm>
@@ -180,9 +180,30 @@ std::string InputFile::start(Index bytes, Index from)
   return content;
 }
 
-Index InputFile::textStart()
+TextStart InputFile::textStart()
 {
-  return startsWithMark(this->start(3)) ? 3 : 0;
+  TextStart found;
+  found.offset = startsWithMark(this->start(3)) ? 3 : 0;
+  // No number begins so, and of a binary file one of the first bytes is zero, which no line of text has.
+  constexpr Index LongestLine = 1 << 10;
+  constexpr const char* Blanks = " \t\r\n";
+  for (;;)
+  {
+    const std::string text = this->start(LongestLine, found.offset);
+    const std::size_t first = std::min(text.find_first_not_of(Blanks), text.size());
+    const std::size_t end = std::min(text.find_first_of("\r\n", first), text.size());
+    const auto isText = [](unsigned char c) { return c >= ' ' || c == '\t'; };
+    if (first == text.size() || std::strchr("#!/%", text[first]) == nullptr || end == text.size() ||
+      !std::all_of(
+        text.begin() + static_cast<std::ptrdiff_t>(first), text.begin() + static_cast<std::ptrdiff_t>(end), isText))
+    {
+      return found;
+    }
+    const std::size_t next = std::min(text.find_first_not_of(Blanks, end), text.size());
+    found.offset += static_cast<Index>(next);
+    found.lines += std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(next), '\n');
+    ++found.comments;
+  }
 }
 
 void InputFile::readPlain(Index offset, void* target, Index bytes)

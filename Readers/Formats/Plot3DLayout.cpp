@@ -38,7 +38,8 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options, const Ex
   ListReader all(file, run);
   const Index values = all.countValues();
   const Index lines = all.line();
-  const std::size_t firstLine = file.start(1 << 10, file.textStart()).find('\n');
+  const TextStart start = file.textStart();
+  const std::size_t firstLine = file.start(1 << 10, start.offset).find('\n');
   const bool threeFirst =
     firstLine != std::string::npos && ListReader(file, static_cast<Index>(firstLine)).countValues() == 3;
 
@@ -47,6 +48,7 @@ Plot3DLayout asciiLayout(InputFile& file, const Plot3DOptions& options, const Ex
   layout.format = Plot3DFormat::Ascii;
   layout.realType = RealType::Double;
   layout.byteOrder = ByteOrder::LittleEndian;
+  layout.comments = start.comments;
   std::string failure;
   for (const bool multiBlock : { true, false })
   {
@@ -318,7 +320,7 @@ bool looksLikePlot3D(const std::string& fileName)
       {
         try
         {
-          ListReader(file, std::min<Index>(file.size() - file.textStart(), 1 << 20)).header(multiBlock);
+          ListReader(file, std::min<Index>(file.size() - file.textStart().offset, 1 << 20)).header(multiBlock);
           return true;
         }
         catch (const Error&)

@@ -2,7 +2,7 @@
 // What a file is that is no PLOT3D grid in whole format.
 #include "Formats/Plot3DSyntax.h"
 
-#include "Formats/Encodings.h"
+#include "IO/Encodings.h"
 
 #include <Eigen/Geometry>
 

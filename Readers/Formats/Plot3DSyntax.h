@@ -39,6 +39,15 @@ bool positive(const Ijk& counts);
 //----------------------------------------------------------------------------------------------------------------------
 // Bytes
 
+/// Where the text of an ASCII file starts: behind a byte order mark, and comments before the first number.
+struct TextStart
+{
+  Index offset = 0;
+  /// Line ends before it.
+  Index lines = 0;
+  Index comments = 0;
+};
+
 class InputFile
 {
 public:
@@ -57,8 +66,7 @@ public:
 
   /// The first bytes, or all if there are fewer.
   std::string start(Index bytes, Index from = 0);
-  /// Where the text of an ASCII file starts: behind a byte order mark.
-  Index textStart();
+  TextStart textStart();
 
 private:
   struct Record
@@ -117,6 +125,8 @@ public:
 private:
   /// The value as it stands in the file, cut to a readable length.
   std::string shown() const;
+  /// The end of a message about a value that is no number: what it may be instead, or nothing.
+  std::string guess() const;
   /// Finds the next value unless the last one repeats; whether it did.
   bool isNew();
   /// Reads on, and drops what lies before At.
@@ -133,10 +143,10 @@ private:
   Index Offset;
   Index Remaining;
   std::vector<char> Buffer;
-  /// Line ends before the buffer.
   /// Whether numbers in the buffer may run into each other.
   bool MayJoin = false;
-  Index LinesBefore = 0;
+  /// Line ends before the buffer.
+  Index LinesBefore;
   /// What is left of the buffer.
   const char* At;
   const char* End;

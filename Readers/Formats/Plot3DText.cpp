@@ -75,22 +75,23 @@ bool hasSignAfterDigit(const char* begin, const char* end)
 /// among them.
 bool isText(InputFile& file)
 {
-  const std::string start = file.start(8, file.textStart());
+  const std::string start = file.start(8, file.textStart().offset);
   return std::all_of(
     start.begin(), start.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r'; });
 }
 
 ListReader::ListReader(InputFile& file, const Execution& run)
-  : ListReader(file, file.size() - file.textStart(), run)
+  : ListReader(file, file.size() - file.textStart().offset, run)
 {
 }
 
 ListReader::ListReader(InputFile& file, Index bytes, const Execution& run)
   : File(file)
   , Run(run)
-  , Offset(file.textStart())
+  , Offset(file.textStart().offset)
   , Remaining(bytes)
   , Buffer(static_cast<std::size_t>(std::min(bytes, Index(1) << 20)))
+  , LinesBefore(file.textStart().lines)
   , At(Buffer.data())
   , End(At)
 {
@@ -134,7 +135,7 @@ int ListReader::integer()
     const auto [end, failure] = std::from_chars(begin, this->ValueEnd, this->Integer);
     if (failure != std::errc() || end != this->ValueEnd)
     {
-      this->fail("'" + this->shown() + "' is not an integer of 4 bytes");
+      this->fail("'" + this->shown() + "' is not an integer of 4 bytes" + this->guess());
     }
   }
   --this->Repeat;
@@ -212,6 +213,13 @@ std::string ListReader::shown() const
   std::replace_if(
     text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return text;
+}
+
+std::string ListReader::guess() const
+{
+  const std::string text = this->shown();
+  const bool comment = text.find_first_of("#!") != std::string::npos || text[0] == '/' || text[0] == '%';
+  return comment ? "; PLOT3D has no comments" : "";
 }
 
 bool ListReader::isNew()
@@ -333,7 +341,7 @@ double ListReader::parseReal() const
   }
   if (failure != std::errc() || end != this->ValueEnd)
   {
-    this->fail("'" + this->shown() + "' is not a number");
+    this->fail("'" + this->shown() + "' is not a number" + this->guess());
   }
   if (!std::isfinite(value))
   {

@@ -2,6 +2,7 @@
 #include "Formats/TextScanner.h"
 
 #include "Base/MemoryCheck.h"
+#include "IO/Encodings.h"
 #include "IO/RegularFile.h"
 
 #include <filesystem>
@@ -29,6 +30,11 @@ std::string readTextFile(const std::string& fileName, std::size_t most, const Ex
   {
     stream.read(part.data(), static_cast<std::streamsize>(part.size()));
     const auto end = part.begin() + stream.gcount();
+    const std::string what = text.empty() ? otherEncoding({ part.begin(), end }) : std::string();
+    if (!what.empty())
+    {
+      throw Error(fileName + ": the file is " + what);
+    }
     // Not to fill the memory with a file that is none.
     if (std::find(part.begin(), end, '\0') != end)
     {

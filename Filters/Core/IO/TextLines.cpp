@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "IO/TextLines.h"
 
+#include "IO/Encodings.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -48,6 +50,10 @@ void TextLines::next(const char* expected)
   {
     if (!this->nextRaw())
     {
+      if (this->Line == 0)
+      {
+        throw Error(this->Path + ": the file is empty");
+      }
       this->fail(std::string("the file ends, but ") + expected + " should follow");
     }
     this->skipBlanks();
@@ -168,6 +174,16 @@ std::string TextLines::shown(std::string_view text)
   return result + (text.size() > 40 ? ".." : "");
 }
 
+std::size_t TextLines::markLength(const std::string& firstLine) const
+{
+  const std::string what = otherEncoding(firstLine);
+  if (!what.empty())
+  {
+    throw Error(this->Path + ": the file is " + what);
+  }
+  return startsWithMark(firstLine) ? 3 : 0;
+}
+
 bool TextLines::nextRaw()
 {
   const char* data = this->Buffer.data();
@@ -216,6 +232,11 @@ bool TextLines::nextRaw()
   this->First += taken;
   this->Remaining -= static_cast<Index>(taken);
   ++this->Line;
+  if (this->Line == 1)
+  {
+    constexpr std::size_t Enough = 8;
+    start += this->markLength({ start, std::min(taken, Enough) });
+  }
   const char* comment = static_cast<const char*>(std::memchr(start, '#', stop - start));
   this->At = start;
   this->End = comment ? comment : stop;

@@ -113,6 +113,9 @@ private:
     }
   }
 
+  /// Of a byte order mark. @throws Error if the file is no plain text
+  std::size_t markLength(const std::string& firstLine) const;
+
   /// Goes to the next line of the file; returns whether there is one.
   bool nextRaw();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Quadflow/QuadflowFormat.h"
 
+#include "IO/Encodings.h"
 #include "IO/RegularFile.h"
 #include "IO/TextLines.h"
 #include "Quadflow/QuadflowSyntax.h"
@@ -587,6 +588,7 @@ std::string titleOf(const std::string& path)
   std::array<char, 512> line{};
   stream.getline(line.data(), line.size());
   std::string text(line.data());
+  text.erase(0, startsWithMark(text) ? 3 : 0);
   if (!text.empty() && text.back() == '\r')
   {
     text.pop_back();
@@ -606,7 +608,8 @@ bool looksLikeQuadflow(const std::string& path)
   std::vector<char> start(4096);
   std::ifstream stream(path, std::ios::binary);
   stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  std::istringstream text(std::string(start.data(), static_cast<std::size_t>(stream.gcount())));
+  std::string head(start.data(), static_cast<std::size_t>(stream.gcount()));
+  std::istringstream text(startsWithMark(head) ? head.substr(3) : head);
   std::string word;
   while (text >> word && word[0] == '#')
   {

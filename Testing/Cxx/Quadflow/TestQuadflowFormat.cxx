@@ -616,7 +616,7 @@ TEST(Quadflow, MalformedFilesAreRefusedByLine)
   EXPECT_NE(errorOf(folder / "none.qfmb").find("Cannot open"), std::string::npos);
   EXPECT_NE(errorOf(folder.path()).find("not a regular file"), std::string::npos);
   put(path, "");
-  EXPECT_NE(errorOf(path).find("the file ends"), std::string::npos);
+  EXPECT_NE(errorOf(path).find("the file is empty"), std::string::npos);
 }
 
 // Whatever is cut off or changed, the result is an error or a case that passes its checks; never a crash.
@@ -778,8 +778,16 @@ TEST(Quadflow, ReadsBlanksCommentsAndForeignLineEnds)
       : c == ' '      ? std::string(" \t ")
                       : std::string(1, c);
   }
-  put(path, text);
-  expectSame(written, readCase(path).data);
+  for (const char* mark : { "", "\xef\xbb\xbf" })
+  {
+    put(path, mark + text);
+    EXPECT_TRUE(looksLikeQuadflow(path));
+    expectSame(written, readCase(path).data);
+  }
+  put(path, "");
+  EXPECT_NE(errorOf(path).find("a.qfmb: the file is empty"), std::string::npos);
+  put(path, std::string("\xff\xfe") + "Q");
+  EXPECT_NE(errorOf(path).find("UTF-16"), std::string::npos);
 }
 
 TEST(Quadflow, FailuresLeaveTheOldFile)

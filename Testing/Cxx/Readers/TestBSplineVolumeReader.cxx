@@ -802,6 +802,25 @@ TEST(BSplineVolumeReader, MFEMForms)
   EXPECT_EQ(corner(), Vec3(0.5, 0.25, 0.5));
 }
 
+TEST(BSplineVolumeReader, NamesOfMFEMDoNotDependOnLineEnds)
+{
+  const std::string first = "MFEM NURBS mesh v1.0";
+  for (const char* end : { "\n", "\r\n", " \t\n", "\n\n", " \r\n \r\n" })
+  {
+    for (const char* mark : { "", "\xef\xbb\xbf" })
+    {
+      const std::string names =
+        first + end + "# element attribute 1: hub" + end + "# boundary attribute 1: far field" + end;
+      const File file(mark + replaced(Cube, first + "\n", names));
+      const Reading reading(file.name());
+      ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+      EXPECT_EQ(reading.blocks().names[0], "hub");
+      EXPECT_EQ(reading.blocks().boundaryNames, (std::vector<std::string>{ "far field" }));
+    }
+  }
+  expectRefused(std::string("\xff\xfe") + "M", "UTF-16");
+}
+
 TEST(BSplineVolumeReader, RefusesWithLineAndValue)
 {
   const std::string cube = Cube;

@@ -141,6 +141,19 @@ void family(int file, const std::string& name, BCType type)
   require(cg_fambc_write(file, 1, id, "FamBC", type, &condition));
 }
 
+void deleteNode(int file, const std::string& parent, const char* name)
+{
+  int io = 0;
+  double root = 0.0;
+  double id = 0.0;
+  double child = 0.0;
+  require(cg_get_cgio(file, &io));
+  require(cgio_get_root_id(io, &root));
+  require(cgio_get_node_id(io, root, parent.c_str(), &id));
+  require(cgio_get_node_id(io, id, name, &child));
+  require(cgio_delete_node(io, id, child));
+}
+
 /// Turns what the library writes in integers of 8 bytes into integers of 4 bytes.
 void narrowIntegers(int file, double node)
 {
@@ -505,6 +518,16 @@ TEST(MeshFileHabits, ConditionsThatContradictTheMeshAreLeftOut)
         condition(file, 1, "far", CGNS_ENUMV(BCFarfield), { 1, 1, 1, 5, 2, 1 });
       },
       { "'far'", "k min", "'skin'" }, 12 },
+    { "a line",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 5, 1, 1 });
+      },
+      { "'zone 1'", "'skin'", "(1, 1, 1) to (5, 1, 1)", "line or a point" }, 0 },
+    { "a list of the points of a line",
+      [&](int file) {
+        condition(file, 1, "skin", wall, { 1, 1, 1, 2, 1, 1 }, "", CGNS_ENUMV(PointList));
+      },
+      { "'zone 1'", "'skin'", "no quadrilateral" }, 0 },
     { "holes of an overset grid",
       [&](int file) {
         const cgsize_t box[6] = { 2, 2, 1, 3, 3, 2 };
@@ -553,6 +576,32 @@ TEST(MeshFileHabits, ConditionsThatContradictTheMeshAreLeftOut)
       EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
       // The rest of the program takes it.
       EXPECT_EQ(bsv::buildBlockComplex(found.mesh).blocks.size(), 2u);
+    }
+  }
+}
+
+TEST(MeshFileHabits, ConditionsWithoutPointsAreNamed)
+{
+  TemporaryFolder folder;
+  // What some versions of the library leave out without a word, and others refuse.
+  for (const int type : { CG_FILE_ADF, CG_FILE_HDF5 })
+  {
+    for (const auto set : { CGNS_ENUMV(PointRange), CGNS_ENUMV(PointList) })
+    {
+      const std::string fileName = folder / (std::to_string(type) + cg_PointSetTypeName(set) + ".cgns");
+      writeChanged(
+        twoBlocks(), fileName,
+        [&](int file) {
+          condition(file, 1, "kept", CGNS_ENUMV(BCWall), { 1, 1, 1, 5, 4, 1 });
+          condition(file, 2, "skin", CGNS_ENUMV(BCWall), { 1, 1, 1, 4, 4, 1 }, "skin", set);
+          deleteNode(file, "/Base/zone 2/ZoneBC/skin", cg_PointSetTypeName(set));
+        },
+        type);
+      Reading reading;
+      read(reading, fileName);
+      ASSERT_EQ(reading.errors.size() + reading.warnings.size(), 1u);
+      const std::string text = reading.errors.empty() ? reading.warnings[0] : reading.errors[0];
+      EXPECT_TRUE(mentions({ text }, { "zone 2", "skin", "no points" })) << text;
     }
   }
 }
@@ -1102,7 +1151,7 @@ TEST(MeshFileHabits, NeutralMapsSpellContactsInManyWays)
   writeFile(folder / "plain.nmf", std::string("\xff\xfe") + "2");
   EXPECT_NE(refusal(folder / "plain.xyz").find("UTF-16"), std::string::npos);
   // Another word between two sides is never a boundary.
-  for (const char* word : { "interior", "'block interface'", "periodic" })
+  for (const char* word : { "interior", "'block interface'" })
   {
     writeFile(folder / "plain.nmf", replacedAll(plain, "ONE_TO_ONE", word));
     EXPECT_NE(refusal(folder / "plain.xyz").find("two sides"), std::string::npos);
@@ -1177,6 +1226,48 @@ TEST(MeshFileHabits, NeutralMapsWithoutSwapFlags)
   const bsv::BlockComplex complex = bsv::buildBlockComplex(found.mesh);
   EXPECT_EQ(
     std::count_if(complex.faces.begin(), complex.faces.end(), [](const auto& f) { return f.uses.size() == 2; }), 1);
+}
+
+TEST(MeshFileHabits, PeriodicSidesOfNeutralMapsAreBoundaries)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  writeFile(folder / "mesh.xyz", plot3D(mesh, {}));
+  const std::string contacts = neutralMap(mesh);
+  // i min of the first block against i max of the second: 3 x 2 cells.
+  const std::string sides = " 1 3 1 4 1 3  2 4 1 4 1 3";
+  for (const char* word : { "PERIODIC", "periodic", "'one-to-one periodic'", "Cyclic", "translational periodic" })
+  {
+    for (const char* flag : { "", " FALSE", " TRUE" })
+    {
+      SCOPED_TRACE(std::string(word) + flag);
+      writeFile(folder / "mesh.nmf", contacts + word + sides + flag + "\n");
+      const Result found = readMesh(folder / "mesh.xyz");
+      ASSERT_EQ(found.mesh.boundaryNames.size(), 1u);
+      EXPECT_EQ(boundaries(found.mesh).begin()->second.size(), 12u);
+      EXPECT_EQ(found.mesh.interfaces.size(), mesh.interfaces.size());
+      EXPECT_EQ(found.warnings.size(), 1u);
+      EXPECT_TRUE(mentions(found.warnings, { "periodic sides are not joined", "line 8 of the neutral map" }));
+    }
+  }
+  // One side a row.
+  writeFile(folder / "mesh.nmf", contacts + "PERIODIC 1 3 1 4 1 3\nPERIODIC 2 4 1 4 1 3\n");
+  const Result found = readMesh(folder / "mesh.xyz");
+  EXPECT_TRUE(found.warnings.empty());
+  EXPECT_EQ(boundaries(found.mesh).begin()->second.size(), 12u);
+}
+
+TEST(MeshFileHabits, FacesThatNeutralMapsDoNotDescribeAreSaid)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  writeFile(folder / "mesh.xyz", plot3D(mesh, {}));
+  writeFile(folder / "mesh.nmf", neutralMap(mesh) + "PATCHED 1 3 1 4 1 3\nUNPROCESSED 2 4 1 4 1 3\n");
+  const Result found = readMesh(folder / "mesh.xyz");
+  EXPECT_EQ(found.warnings.size(), 1u);
+  EXPECT_TRUE(mentions(
+    found.warnings, { "patched", "line 8 of the neutral map (PATCHED)", "line 9 of the neutral map (UNPROCESSED)" }));
+  EXPECT_TRUE(found.mesh.boundaries.empty());
 }
 
 TEST(MeshFileHabits, NeutralMapsLeaveOutBoundariesThatDoNotFit)
@@ -1337,6 +1428,64 @@ TEST(MeshFileHabits, PointAfterPointIsNamed)
   }
   writeFile(folder / "text.x", textOf({ 1, 5, 4, 6 }, values));
   EXPECT_NE(refusal(folder / "text.x").find("x, y and z of one point after the other"), std::string::npos);
+}
+
+TEST(MeshFileHabits, CommentsBeforeThePointsAreLeftOut)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  Plot3DKind ascii;
+  ascii.ascii = true;
+  ascii.multiBlock = true;
+  const std::string plain = plot3D(mesh, ascii);
+  writeFile(folder / "plain.xyz", plain);
+  const Result expected = readMesh(folder / "plain.xyz");
+  const std::string mark = "\xef\xbb\xbf";
+  const std::pair<std::string, int> heads[] = { { "# a wing\n", 1 }, { "! 2 blocks\r\n!\r\n", 2 },
+    { "\n  // made by hand\n\n", 1 }, { mark + "# \xc3\xbc\n", 1 }, { std::string("/\r") + "% percent\r", 2 },
+    { "#" + std::string(900, '-') + "\n", 1 } };
+  for (const auto& [head, lines] : heads)
+  {
+    SCOPED_TRACE(head);
+    const std::string text = head.find('\n') == std::string::npos ? replacedAll(plain, "\n", "\r") : plain;
+    writeFile(folder / "mesh.xyz", head + text);
+    EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile((folder / "mesh.xyz").c_str()), 1);
+    const Result found = readMesh(folder / "mesh.xyz");
+    EXPECT_EQ(found.warnings.size(), 1u);
+    EXPECT_TRUE(mentions(found.warnings,
+      { "comments at its beginning", "(" + std::to_string(lines) + (lines == 1 ? " line)" : " lines)") }));
+    ASSERT_EQ(found.mesh.blocks.size(), expected.mesh.blocks.size());
+    for (std::size_t b = 0; b < expected.mesh.blocks.size(); ++b)
+    {
+      const bsv::GridView& points = expected.mesh.blocks[b].points;
+      ASSERT_EQ(found.mesh.blocks[b].points.counts(), points.counts());
+      for (bsv::Index p = 0; p < points.size(); ++p)
+      {
+        ASSERT_EQ(found.mesh.blocks[b].points.atPlace(p), points.atPlace(p));
+      }
+    }
+  }
+  // Lines are counted from the beginning of the file, and comments among the numbers are no numbers.
+  writeFile(folder / "mesh.xyz", "# a\n# b\n" + replacedAll(plain, "\n", "\n# c\n"));
+  const std::string error = refusal(folder / "mesh.xyz");
+  EXPECT_NE(error.find("line 4"), std::string::npos) << error;
+  EXPECT_NE(error.find("PLOT3D has no comments"), std::string::npos) << error;
+  writeFile(folder / "mesh.xyz", "2 ! blocks\n" + plain);
+  EXPECT_NE(refusal(folder / "mesh.xyz").find("line 1"), std::string::npos);
+  EXPECT_NE(refusal(folder / "mesh.xyz").find("PLOT3D has no comments"), std::string::npos);
+  writeFile(folder / "mesh.xyz", "# nothing else\n");
+  EXPECT_NE(refusal(folder / "mesh.xyz").find("the file ends too early"), std::string::npos);
+  // A binary file may begin with any of the characters: 35 points along i.
+  const MeshCase long_ = meshcases::cutBox({ 34, 9, 1 }, { { {}, {}, {} } }, meshcases::wavy);
+  Plot3DKind raw;
+  raw.marker = 0;
+  raw.multiBlock = false;
+  const std::string bytes = plot3D(long_, raw);
+  ASSERT_EQ(bytes.substr(0, 5), std::string("#\0\0\0\n", 5));
+  writeFile(folder / "mesh.xyz", bytes);
+  const Result binary = readMesh(folder / "mesh.xyz");
+  EXPECT_TRUE(binary.warnings.empty());
+  EXPECT_EQ(binary.mesh.blocks[0].points.counts(), (bsv::Ijk{ 35, 10, 2 }));
 }
 
 TEST(MeshFileHabits, DecimalCommasAreNamed)
