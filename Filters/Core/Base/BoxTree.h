@@ -42,6 +42,10 @@ public:
     this->Tree.init(numbers.begin(), numbers.end(), boxes.begin(), boxes.end());
   }
 
+  /// How many of `count` items in a row share a box where memory counts: of few items, which cost little, one; of
+  /// many 8.
+  static Index itemsPerBox(Index count) { return std::min<Index>(1 + count / (1 << 16), 8); }
+
   /// Calls visit(number) for items whose boxes may meet `box`, among them all of which they do.
   template <typename Visit>
   void search(const Box& box, const Visit& visit) const

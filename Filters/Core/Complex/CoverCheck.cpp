@@ -59,11 +59,12 @@ void CoverCheck::operator()(const std::vector<Index>& single) const
 std::vector<Index> CoverCheck::covers(const std::vector<Index>& single) const
 {
   const Index count = static_cast<Index>(single.size());
-  std::vector<Box> boxes((count + Together - 1) / Together);
+  const Index together = BoxTree::itemsPerBox(count);
+  std::vector<Box> boxes((count + together - 1) / together);
   std::vector<double> tolerance(count);
   std::vector<Vec3> normal(count);
-  this->Run.parallelFor(static_cast<Index>(boxes.size()), Chunk / Together, [&](Index begin, Index end) {
-    for (Index n = begin * Together; n < std::min(count, end * Together); ++n)
+  this->Run.parallelFor(static_cast<Index>(boxes.size()), Chunk / together, [&](Index begin, Index end) {
+    for (Index n = begin * together; n < std::min(count, end * together); ++n)
     {
       const QuadAt at = this->Surface.quadAt(single[n]);
       normal[n] = outwardNormal(this->Mesh, this->Surface, at, this->LeftHanded[at.block]).stableNormalized();
@@ -75,10 +76,10 @@ std::vector<Index> CoverCheck::covers(const std::vector<Index>& single) const
         box.extend(this->Mesh.blocks[at.block].points(p));
         tolerance[n] = std::min(tolerance[n], this->tolerance(at.block, p));
       }
-      boxes[n / Together].extend(inflated(box, tolerance[n]));
+      boxes[n / together].extend(inflated(box, tolerance[n]));
     }
   });
-  const BoxTree tree(boxes, count, Together);
+  const BoxTree tree(boxes, count, together);
   std::vector<Index> cover(count, -1);
   const auto search = [&](Index begin, Index end) {
     for (Index n = begin; n < end; ++n)
@@ -117,7 +118,11 @@ void CoverCheck::coverByCorners(
   std::vector<char> shared(count, 0);
   std::vector<Index> other(count, -1);
   std::vector<std::pair<Index, Index>> atClass;
-  const Index parts = 1 + std::min<Index>(count / QuadsPerPart, 7);
+  Index parts = 1;
+  while (parts < 8 && parts * QuadsPerPart < count)
+  {
+    parts *= 2;
+  }
   for (Index part = 0; part < parts; ++part)
   {
     atClass.clear();
@@ -125,7 +130,7 @@ void CoverCheck::coverByCorners(
     {
       for (Index c : this->Classes.key(this->Surface.quadAt(single[n])))
       {
-        if (c % parts == part)
+        if ((c & (parts - 1)) == part)
         {
           atClass.push_back({ c, n });
         }
@@ -149,7 +154,7 @@ void CoverCheck::coverByCorners(
         for (int corner = 0; corner < 4; ++corner)
         {
           const Index c = key[corner];
-          if (c % parts != part)
+          if ((c & (parts - 1)) != part)
           {
             continue;
           }

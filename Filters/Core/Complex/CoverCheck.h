@@ -34,8 +34,6 @@ private:
   bool covers(const QuadAt& at, const Vec3& n, const Vec3& x, double tolerance) const;
 
   static constexpr Index Chunk = 1024;
-  /// Quadrilaterals that follow each other in a box of the search.
-  static constexpr Index Together = 8;
   /// Corners of many quadrilaterals are compared in up to 8 parts, to need less memory, but more time.
   static constexpr Index QuadsPerPart = 1 << 17;
 

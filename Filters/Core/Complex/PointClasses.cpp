@@ -144,13 +144,14 @@ bool PointClasses::mergeNearPoints(const std::vector<Index>& quads, const std::v
   });
 
   std::vector<Vec3> x(count);
-  std::vector<Box> boxes((count + Together - 1) / Together);
+  const Index together = BoxTree::itemsPerBox(count);
+  std::vector<Box> boxes((count + together - 1) / together);
   for (Index n = 0; n < count; ++n)
   {
     x[n] = this->pointOf(points[n]);
-    boxes[n / Together].extend(x[n]);
+    boxes[n / together].extend(x[n]);
   }
-  const BoxTree tree(boxes, count, Together);
+  const BoxTree tree(boxes, count, together);
   std::vector<std::vector<std::pair<Index, Index>>> chunks((count + Chunk - 1) / Chunk);
   std::vector<char> crowded(count, false);
   this->Run.parallelFor(static_cast<Index>(chunks.size()), 1, [&](Index begin, Index end) {

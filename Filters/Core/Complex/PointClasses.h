@@ -77,8 +77,6 @@ private:
     UnionFind& merged) const;
 
   static constexpr Index Chunk = 1024;
-  /// Points that follow each other in a box of the search.
-  static constexpr Index Together = 8;
   /// More points than blocks of any sensible mesh meet.
   static constexpr int MostCopies = 1000;
 
