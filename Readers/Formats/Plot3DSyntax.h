@@ -125,8 +125,8 @@ public:
 private:
   /// The value as it stands in the file, cut to a readable length.
   std::string shown() const;
-  /// The end of a message about a value that is no number: what it may be instead, or nothing.
-  std::string guess() const;
+  /// Says why the value read last is no number that can be, and what it may be instead.
+  [[noreturn]] void refuse(const char* why) const;
   /// Finds the next value unless the last one repeats; whether it did.
   bool isNew();
   /// Reads on, and drops what lies before At.

@@ -135,7 +135,7 @@ int ListReader::integer()
     const auto [end, failure] = std::from_chars(begin, this->ValueEnd, this->Integer);
     if (failure != std::errc() || end != this->ValueEnd)
     {
-      this->fail("'" + this->shown() + "' is not an integer of 4 bytes" + this->guess());
+      this->refuse("is not an integer of 4 bytes");
     }
   }
   --this->Repeat;
@@ -215,11 +215,11 @@ std::string ListReader::shown() const
   return text;
 }
 
-std::string ListReader::guess() const
+void ListReader::refuse(const char* why) const
 {
   const std::string text = this->shown();
   const bool comment = text.find_first_of("#!") != std::string::npos || text[0] == '/' || text[0] == '%';
-  return comment ? "; PLOT3D has no comments" : "";
+  this->fail("'" + text + "' " + why + (comment ? "; PLOT3D has no comments" : ""));
 }
 
 bool ListReader::isNew()
@@ -337,15 +337,15 @@ double ListReader::parseReal() const
     {
       return 0.0; // below the smallest double
     }
-    this->fail("'" + this->shown() + "' is out of the range of a double");
+    this->refuse("is out of the range of a double");
   }
   if (failure != std::errc() || end != this->ValueEnd)
   {
-    this->fail("'" + this->shown() + "' is not a number" + this->guess());
+    this->refuse("is not a number");
   }
   if (!std::isfinite(value))
   {
-    this->fail("'" + this->shown() + "' is not finite");
+    this->refuse("is not finite");
   }
   return value;
 }
