@@ -8,6 +8,9 @@
 #include "vtkSMSourceProxy.h"
 #include "vtkSMUncheckedPropertyHelper.h"
 
+#include <algorithm>
+#include <iterator>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -42,7 +45,10 @@ int vtkSMFieldArrayDomain::IsInDomain(vtkSMProperty* property)
     const auto has = [&](const std::string& name) {
       return data && data->GetArrayInformation(name.c_str(), vtkDataObject::FIELD);
     };
-    if ((!this->Present.empty() && !has(this->Present)) || (!this->Absent.empty() && has(this->Absent)))
+    std::istringstream names(this->Present);
+    using Name = std::istream_iterator<std::string>;
+    const bool present = this->Present.empty() || std::any_of(Name(names), Name(), has);
+    if (!present || (!this->Absent.empty() && has(this->Absent)))
     {
       return NOT_IN_DOMAIN;
     }

@@ -3,7 +3,8 @@
  * @class   vtkSMFieldArrayDomain
  * @brief   input properties that take only data with some field data array, and without another
  *
- * `<FieldArrayDomain name="nurbs" present="KnotsV" absent="KnotsW"/>`: NURBS surfaces, but no volumes. Only what is
+ * `<FieldArrayDomain name="nurbs" present="KnotsV" absent="KnotsW"/>`: NURBS surfaces, but no volumes. Of several
+ * arrays, with blanks between their names, one must be present. Only what is
  * known of the data without fetching it is looked at, so that drop-downs of inputs offer the right ones also of a
  * remote server. Sources that were not yet executed are not in the domain.
  */

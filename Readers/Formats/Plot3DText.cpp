@@ -100,6 +100,7 @@ ListReader::ListReader(InputFile& file, Index bytes, const Execution& run)
 
 Index ListReader::countValues()
 {
+  this->Context.clear();
   Index count = 0;
   while (this->fetch())
   {
@@ -218,8 +219,12 @@ std::string ListReader::shown() const
 void ListReader::refuse(const char* why) const
 {
   const std::string text = this->shown();
+  // How some libraries of Windows write what is not finite: 1.#INF, -1.#IND, 1.#QNAN.
+  const std::size_t sharp = text.find('#');
+  const bool finite = sharp == std::string::npos || sharp == 0 || text[sharp - 1] != '.';
   const bool comment = text.find_first_of("#!") != std::string::npos || text[0] == '/' || text[0] == '%';
-  this->fail("'" + text + "' " + why + (comment ? "; PLOT3D has no comments" : ""));
+  this->fail(
+    "'" + text + "' " + (finite ? why : "is not finite") + (finite && comment ? "; PLOT3D has no comments" : ""));
 }
 
 bool ListReader::isNew()

@@ -11,7 +11,8 @@ import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bsv_support import (simple, vtk, blocks, cgrid, client, collection, coordinates, demo_mesh, dimensions, field,
-                         folded_ring, grid, half_turn_ring, main, messages, names, producer, update, values)
+                         folded_ring, grid, half_turn_ring, main, messages, name_boundaries, names, producer, update,
+                         values)
 from paraview import servermanager
 from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
 
@@ -307,6 +308,14 @@ def test_writers_are_offered():
         assert name(CASES["demo"], "a." + extension) == "HexBlockMeshWriter"
     assert name(CASES["demo"], "a.cgns") == "BlockMeshCGNSWriter"
     assert name(simple.Wavelet(), "a.cgns") != "BlockMeshCGNSWriter"
+    # One block has no interfaces, but boundaries, or control points, which are no points of a mesh.
+    alone = grid((2, 2, 2), lambda *p: p)
+    assert name(producer(collection([alone])), "a.cgns") != "BlockMeshCGNSWriter"
+    walls = collection([alone])
+    name_boundaries(walls, [(0, 4, 0)], ["wall"])
+    volume = simple.CatmullClarkToBSplineVolume(Input=producer(collection([alone])))
+    for source in (producer(walls), volume, simple.BSplineVolumeSampler(Input=volume)):
+        assert name(source, "a.cgns") == "BlockMeshCGNSWriter"
 
 
 def test_what_cannot_be_written():

@@ -86,6 +86,8 @@ TEST(MalformedMeshes, Text)
     { "two points", replaced(GoodText, "1 2 1 2", "1 2.1.1 1 2"), { "line 6", "'2.1.1'" } },
     { "NaN", replaced(GoodText, "1 2 1 2", "1 NaN 1 2"), { "line 6", "NaN", "block 2" } },
     { "infinity", replaced(GoodText, "1 2 1 2", "1 -inf 1 2"), { "line 6", "-inf" } },
+    { "NaN of Windows", replaced(GoodText, "1 2 1 2", "1 -1.#IND 1 2"), { "line 6", "'-1.#IND' is not finite" } },
+    { "stars of Fortran", replaced(GoodText, "1 2 1 2", "1 ***** 1 2"), { "line 6: '*****'", "does not fit" } },
     { "larger than a double", replaced(GoodText, "1 2 1 2", "1 1e999 1 2"), { "line 6", "1e999" } },
     { "negative size", replaced(GoodText, "2 2 2  2", "2 -2 2  2"), { "line 2", "block 1", "2 x -2 x 2" } },
     { "zero size", replaced(GoodText, "2  2 2 2", "2  2 0 2"), { "line 2", "block 2", "2 x 0 x 2" } },
