@@ -517,6 +517,8 @@ private:
     bsv::warn(&this->Self,
       bsv::uselessPatterns("Symmetry Boundaries", this->Self.SymmetryBoundaries, bsv::defaultSymmetryBoundaries(),
         complex.boundaryNames, complex.boundaryTypes));
+    bsv::warn(&this->Self, this->Self.BodySelection.unknown("Walls", complex.boundaryNames));
+    bsv::warn(&this->Self, this->Self.SymmetrySelection.unknown("Symmetry Planes", complex.boundaryNames));
     for (const auto& entry : this->Self.BoundaryWallSpacings)
     {
       bsv::warn(&this->Self,

@@ -38,23 +38,51 @@ void BoundarySelection::offer(vtkDataObject* mesh, const BoundaryPatterns& patte
   const std::vector<std::string> names = strings("BoundaryNames");
   std::vector<std::string> types = strings("BoundaryTypes");
   types.resize(names.size());
+  const bool complete = this->isComplete();
   for (std::size_t n = 0; n < names.size(); ++n)
   {
     // Does nothing if it is in the list, and is no modification.
-    this->List->AddArray(names[n].c_str(), selectsBoundary(patterns, defaults, names, types, static_cast<int>(n)));
+    this->List->AddArray(
+      names[n].c_str(), !complete && selectsBoundary(patterns, defaults, names, types, static_cast<int>(n)));
   }
+  this->Offered = this->Offered || !names.empty();
+}
+
+//------------------------------------------------------------------------------
+bool BoundarySelection::isComplete() const
+{
+  const int count = this->List->GetNumberOfArrays();
+  return !this->Offered && count > 0 && this->List->GetNumberOfArraysEnabled() == count;
+}
+
+//------------------------------------------------------------------------------
+std::vector<std::string> BoundarySelection::unknown(
+  const std::string& property, const std::vector<std::string>& names) const
+{
+  std::vector<std::string> sentences;
+  for (int n = 0; n < this->List->GetNumberOfArrays() && this->isComplete(); ++n)
+  {
+    const std::string name = this->List->GetArrayName(n);
+    if (std::find(names.begin(), names.end(), name) == names.end())
+    {
+      sentences.push_back(property + ": '" + name + "' is no boundary of the mesh; it has " + quotedList(names));
+    }
+  }
+  return sentences;
 }
 
 //------------------------------------------------------------------------------
 void BoundarySelection::forget()
 {
   this->List->RemoveAllArrays();
+  this->Offered = false;
 }
 
 //------------------------------------------------------------------------------
 bool BoundarySelection::has(const std::string& name, bool otherwise) const
 {
-  return this->List->ArrayExists(name.c_str()) ? this->List->ArrayIsEnabled(name.c_str()) != 0 : otherwise;
+  return this->List->ArrayExists(name.c_str()) ? this->List->ArrayIsEnabled(name.c_str()) != 0
+                                               : otherwise && !this->isComplete();
 }
 
 //------------------------------------------------------------------------------

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file BoundarySelection.h
 /// The boundaries of a mesh by their names, each switched on or off: what a panel shows as check boxes. Patterns
-/// (BoundaryPatterns.h) say how it begins, and hold for names that are not in the list.
+/// (BoundaryPatterns.h) say how it begins, and hold for names that are not in the list, unless the list is complete: a
+/// script that knows no check boxes lists what is on, and means that nothing else is.
 #pragma once
 
 #include "BSplineVolumeFiltersModule.h"
@@ -32,6 +33,9 @@ public:
   /// (selectsBoundary()).
   void offer(vtkDataObject* mesh, const BoundaryPatterns& patterns, const BoundaryPatterns& defaults);
 
+  /// Names that a complete list has, but the mesh has not: one sentence each. @param property for the message
+  std::vector<std::string> unknown(const std::string& property, const std::vector<std::string>& names) const;
+
   /// Forgets what was switched, because the patterns changed.
   void forget();
 
@@ -41,7 +45,11 @@ public:
   vtkDataArraySelection* list() const { return this->List; }
 
 private:
+  /// Whether the list was made before any mesh was known, of names that are on.
+  bool isComplete() const;
+
   vtkSmartPointer<vtkDataArraySelection> List;
+  bool Offered = false;
 };
 
 /// Whether each boundary of a volume is part of the wall: as the conversion took it (field data array `BoundaryRoles`,

@@ -386,6 +386,31 @@ def test_recovers_after_an_error():
     assert bits(data) == bits(converted_demo()[1])
 
 
+def test_lists_of_a_script_are_complete():
+    """What a script, or a state in Python, lists before the mesh is known is on, and nothing else."""
+    def roles(source, **properties):
+        proxy = conversion(source, **properties)
+        data, warnings = update(proxy)
+        return dict(zip(field(data, "BoundaryNames"), field(data, "BoundaryRoles"))), warnings
+    wing = dict(Resolution=2)
+    default, _ = roles(simple.WingFuselageSource(**wing))
+    assert default == {"wall_fuselage": 1, "wall_wing": 1, "symmetry": 2, "farfield": 0}, default
+    one, warnings = roles(simple.WingFuselageSource(**wing), Walls=["wall_wing"])
+    assert one == dict(default, wall_fuselage=0) and not warnings, one
+    one, warnings = roles(simple.WingFuselageSource(**wing), SymmetryPlanes=["farfield"])
+    assert one == dict(default, symmetry=0, farfield=2) and not warnings, one
+    none, warnings = roles(simple.WingFuselageSource(**wing), Walls=["wing"])
+    assert none == dict(default, wall_fuselage=0, wall_wing=0), none
+    assert len(warnings) == 1 and "Walls: 'wing' is no boundary of the mesh" in warnings[0], warnings
+    # The same after the mesh is known, where all boundaries have check boxes.
+    proxy = conversion(simple.WingFuselageSource(**wing))
+    update(proxy)
+    proxy.UpdatePipelineInformation()
+    proxy.Walls = ["wall_wing"]
+    data, warnings = update(proxy)
+    assert field(data, "BoundaryRoles")[:2] == [0, 1] and not warnings, field(data, "BoundaryRoles")
+
+
 def test_inputs_without_hexahedra():
     surface = vtk.vtkUnstructuredGrid()
     surface.SetPoints(grid((1, 1, 1), lambda *p: p).GetPoints())
