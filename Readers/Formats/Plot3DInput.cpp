@@ -186,8 +186,10 @@ TextStart InputFile::textStart()
   found.offset = startsWithMark(this->start(3)) ? 3 : 0;
   // No number begins so, and of a binary file one of the first bytes is zero, which no line of text has.
   constexpr Index LongestLine = 1 << 10;
+  // So many are looked at, since whoever asks what a file is must not read all of it.
+  constexpr Index MostComments = 1000;
   constexpr const char* Blanks = " \t\r\n";
-  for (;;)
+  while (found.comments < MostComments)
   {
     const std::string text = this->start(LongestLine, found.offset);
     const std::size_t first = std::min(text.find_first_not_of(Blanks), text.size());
@@ -197,13 +199,14 @@ TextStart InputFile::textStart()
       !std::all_of(
         text.begin() + static_cast<std::ptrdiff_t>(first), text.begin() + static_cast<std::ptrdiff_t>(end), isText))
     {
-      return found;
+      break;
     }
     const std::size_t next = std::min(text.find_first_not_of(Blanks, end), text.size());
     found.offset += static_cast<Index>(next);
     found.lines += std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(next), '\n');
     ++found.comments;
   }
+  return found;
 }
 
 void InputFile::readPlain(Index offset, void* target, Index bytes)
