@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -190,22 +190,19 @@ std::vector<SeriesFile> readSeriesList(const std::string& fileName)
       {
         const std::string key = in.text();
         in.expect(':');
-        if (in.next() == '"')
+        const bool quoted = in.next() == '"';
+        const std::string value = quoted ? in.text() : in.word();
+        if (key == "time")
         {
-          const std::string value = in.text();
-          listed.name = key == "name" ? value : listed.name;
-        }
-        else
-        {
-          const std::string value = in.word();
-          char* end = nullptr;
-          const double number = std::strtod(value.c_str(), &end);
-          if (key == "time" && (value.empty() || *end != '\0' || !std::isfinite(number)))
+          // Some programs write numbers in quotation marks.
+          const char* stop = value.data() + value.size();
+          const auto [end, error] = std::from_chars(value.data(), stop, listed.time);
+          if (error != std::errc() || end != stop || !std::isfinite(listed.time))
           {
             in.fail(entry + ": the time '" + value.substr(0, 40) + "' is no finite number");
           }
-          listed.time = key == "time" ? number : listed.time;
         }
+        listed.name = key == "name" && quoted ? value : listed.name;
         if (!in.take(',') && in.next() != '}')
         {
           in.fail(entry + ": here should be , or }");

@@ -132,7 +132,7 @@ def test_names_in_lists():
     shutil.copy(PATHS[0], strange)
     shutil.copy(os.path.splitext(PATHS[0])[0] + ".nmf", os.path.splitext(strange)[0] + ".nmf")
     reader = simple.HexBlockMeshReader(FileName=write_list("strange.series", [
-        {"comment": "a } b", "name": os.path.basename(strange), "time": 0.5}, {"name": PATHS[2], "time": 2}]))
+        {"comment": "a } b", "name": os.path.basename(strange), "time": "0.5"}, {"name": PATHS[2], "time": 2}]))
     assert times(reader) == [0.5, 2]
     expect_steps(reader, [(0.5, 0), (2, 2)])
 
@@ -141,6 +141,7 @@ def test_wrong_lists():
     many = "x" * 400000
     for name, text, words in (("long.series", '{"files": [{"name": "%s", "time": 0}]}' % many, ["no such file"]),
                               ("late.series", '{"files": [\n{"name": "a", "time": late}]}', ["line 2", "'late'"]),
+                              ("comma.series", '{"files": [{"name": "a", "time": "1,5"}]}', ["entry 0", "'1,5'"]),
                               ("nan.series", '{"files": [{"name": "a", "time": nan}]}', ["line 1", "'nan'"]),
                               ("self.series", '{"files": [{"name": "self.series"}]}', ["entry 0", "a list itself"]),
                               ("cut.series", '{"files": [{"name": "a', ["line 1", "should be"]),
