@@ -310,7 +310,7 @@ void addInvisible(STEPControl_Reader& reader, const StepVisual_InvisibleItem& it
 
 /// Shapes of all roots but the hidden ones, and the roots of which nothing came.
 /// @param dropped counts of what is left out
-TopoDS_Shape transfer(XSControl_Reader& reader, const std::string& fileName, std::map<std::string, int>& dropped)
+TopoDS_Shape transfer(XSControl_Reader& reader, std::map<std::string, int>& dropped)
 {
   BRep_Builder builder;
   TopoDS_Compound all;
@@ -337,14 +337,6 @@ TopoDS_Shape transfer(XSControl_Reader& reader, const std::string& fileName, std
     }
     if (reader.NbShapes() == before && !hidden)
     {
-      const int type = iges.IsNull() ? 0 : iges->TypeNumber();
-      // A plane without bounds (190) is part of a face, and no face itself.
-      if (isIGESSurface(type) && isIGESShape(type) && type != 190)
-      {
-        const Handle(Interface_InterfaceModel) model = reader.WS()->Model();
-        throw Error(fileName + ": surface " + labelOf(model, model->Number(root)) + " (" +
-          typeOf(model, model->Number(root)) + ") cannot be converted to a face");
-      }
       ++dropped[iges.IsNull()
           ? std::string("STEP entity ") + root->DynamicType()->Name()
           : "IGES entity of type " + std::to_string(iges->TypeNumber()) + " (" + root->DynamicType()->Name() + ")"];
@@ -366,6 +358,7 @@ void checkFaces(IGESControl_Reader& reader, const std::string& fileName)
   const Handle(IGESData_IGESModel) model = reader.IGESModel();
   const auto entity = [&](int number) { return Handle(IGESData_IGESEntity)::DownCast(model->Value(number)); };
   constexpr int Subfigure = 308;
+  // It is part of a face, and no face itself.
   constexpr int UnboundedPlane = 190;
   const Interface_Graph graph(model, Standard_False);
   std::unordered_set<Standard_Transient*> parts;
@@ -437,7 +430,7 @@ Shape readIGES(const std::string& opened, const std::string& fileName, OpenCASCA
   {
     iges->IGESModel()->ChangeGlobalSection().SetCascadeUnit(result.unit * 1000.0); // in millimetres
   }
-  result.shape = transfer(*iges, fileName, result.dropped);
+  result.shape = transfer(*iges, result.dropped);
   checkFaces(*iges, fileName);
   const auto entity = [iges](const TopoDS_Face& face) {
     return Handle(IGESData_IGESEntity)::DownCast(iges->WS()->TransferReader()->EntityFromShapeResult(face, AnyResult));
@@ -484,7 +477,7 @@ Shape readSTEP(const std::string& opened, const std::string& fileName, const STE
   step->FileUnits(lengths, angles, solidAngles);
   result.unit = lengths.IsEmpty() ? 0.0 : metres(lengths.First().ToCString());
   step->SetSystemLengthUnit(result.unit > 0.0 ? result.unit * 1000.0 : 1.0);
-  result.shape = transfer(*step, fileName, result.dropped);
+  result.shape = transfer(*step, result.dropped);
   countLostFaces(*step, result.dropped);
   const Handle(Interface_InterfaceModel) model = step->Model();
   for (int i = 1; i <= model->NbEntities(); ++i)
