@@ -6,7 +6,9 @@
 /// For functions that are little but a loop over rows of numbers. Functions called in the loop prevent its vector code.
 #pragma once
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__)
+// What chooses runs before the thread sanitizer is there, which it calls: programs would crash at their start.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__) &&                       \
+  !defined(__SANITIZE_THREAD__)
 #define BSV_ROW_LOOP __attribute__((target_clones("avx512f", "avx2", "default"), noinline))
 #else
 #define BSV_ROW_LOOP
