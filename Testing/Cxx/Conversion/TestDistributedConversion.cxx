@@ -711,7 +711,10 @@ TEST(DistributedConversion, TrafficGrowsLikeTheSharedSurface)
       const BlockComplex complex = complexOf(whole, { 0, 1 }, run.ranks->rank());
       const Nets nets(complex, ConversionOptions{}, run.ranks->rank());
       convertToBSplineVolume(complex, {}, nets.storage, run);
-      bytes = run.ranks->rank() == 0 ? run.ranks->receivedBytes() : bytes;
+      if (run.ranks->rank() == 0)
+      {
+        bytes = run.ranks->receivedBytes();
+      }
     });
     EXPECT_EQ(errors, std::vector<std::string>(2));
     return static_cast<double>(bytes);

@@ -138,7 +138,7 @@ TEST(VolumeLocator, PointsAreFoundWithinALargeToleranceAndNotBeyond)
   }
   for (int n = 0; n < 8; ++n)
   {
-    box.points.insert(box.points.end(), { double(n % 2), double(n / 2 % 2), double(n / 4) });
+    box.points.insert(box.points.end(), { double(n & 1), double(n >> 1 & 1), double(n >> 2) });
   }
   const std::vector<BSplineVolume> views{ box.view() };
   const VolumeLocator locator(views);
