@@ -5,6 +5,7 @@
 
 #include "Conversion/LocalNet.h"
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -19,13 +20,15 @@ struct FootPoint
 };
 
 /// What the fit knows of the wall around the vertex: per sector the control points of index 0 .. `size` - 1 along both
-/// spokes, the first one fastest, and per spoke the cells along it; whether no other vertex that is fitted is near.
+/// spokes, the first one fastest, and per spoke the cells along it.
 struct WallPatch
 {
   int size = 0;
   std::vector<int> cells;
-  std::vector<std::vector<Vec3>> sectors;
-  bool alone = false;
+  /// As they are, and as they were before any fit.
+  std::vector<std::vector<Vec3>> sectors, unfitted;
+  /// Per sector whether another vertex is fitted at the far end of its first spoke, of its second, of both.
+  std::vector<std::array<bool, 3>> others;
 };
 
 struct G1FitResult
@@ -39,14 +42,17 @@ struct G1FitResult
   double before = 0.0, after = 0.0;
 };
 
-/// Gauss-Newton iterations over the local net, subject to (a) to (d), with P fixed and c_1 in the tangent plane there:
-/// least squares of the distances to the body along its normals at 4 x 4 samples a span over up to `reach` spans (up
-/// to half the cells of a spoke if other fits are near),
-/// tangential movement and bending of the change being damped by 0.03 s min(1, (kappa h)^2), with h three times the
-/// mean |c_1 - P| and kappa the largest principal curvature near the vertex: the damping vanishes with h as the error
-/// does, and has no unit. Reach 4 if all spokes have 8 cells at least, else 3. The result is taken if no point moved by
-/// more than h / 2 and the distance fell, with the first of s = 1/4 (1 if the samples do not see all spans that the net
-/// moves), 1, 4, 16, 64 for which it is. It does not depend on where the fan starts and in which sense it runs.
+/// Gauss-Newton rounds over the local net, subject to (a) to (d), with P fixed and c_1 in the tangent plane there:
+/// least squares of the distances to the body along its normals at 4 x 4 samples a span, over all spans that the net
+/// moves but for the samples nearer to another vertex that is fitted, and of the second differences of these distances,
+/// which hold the curvature, with the weight 0.15 (0.3 where another vertex is near). Tangential movement and bending
+/// of the change from the unfitted net are damped by 0.004 s min(1, kappa h)^(3/2), with h three times the mean |c_1 -
+/// P| and kappa the largest principal curvature near the vertex: the damping vanishes with h and has no unit. Reach 4
+/// if all spokes have 8 cells at least, else 3. The result is taken if no point moved by more than h / 3, with reach 3
+/// h / 2, and the sum fell, with the first of s = 1 (4 where another vertex is near), and twice as much each time, for
+/// which it is. Nothing is fitted where the samples are farther from the body than half of what the control points next
+/// to the net are: there the wall is not on the body. The result does not depend on where the fan starts and in which
+/// sense it runs.
 /// @param start a closed fan of kinds 3 whose net fulfils the conditions; all of it in the order of its spokes.
 /// @param foot its centre and the body's normal there; `curvature` the largest absolute principal curvature near it.
 G1FitResult fitToBody(const WallPatch& start, const FootPoint& foot, double curvature,

@@ -1075,21 +1075,86 @@ private:
   void fitWall()
   {
     const BodySurface* body = this->Options.twist == Twist::PCCM ? nullptr : this->Options.body;
+    std::vector<WallVertex> vertices;
     std::vector<int> fans;
     std::set<int> fitted;
     for (const WallVertex& vertex : this->WallVertices)
     {
-      fans.push_back(vertex.fan);
-      fitted.insert(this->vertexOf(this->Fans[vertex.fan], vertex.lastLayer));
+      // Nets on fewer cells share points.
+      const std::vector<int>& cells = this->Fans[vertex.fan].cells;
+      if (body && *std::min_element(cells.begin(), cells.end()) >= Reach)
+      {
+        vertices.push_back(vertex);
+        fans.push_back(vertex.fan);
+        fitted.insert(this->vertexOf(this->Fans[vertex.fan], vertex.lastLayer));
+      }
     }
-    if (!body || fans.empty())
+    this->Report.linearVertices = static_cast<Index>(this->WallVertices.size() - vertices.size());
+    if (vertices.empty())
     {
-      this->Report.linearVertices = static_cast<Index>(fans.size());
       return;
     }
-    const auto lists = this->gatherSectors(fans, [&](int i, int k) {
+    // Neighbours that are near see what the others did, once.
+    std::vector<std::vector<std::vector<double>>> unfitted;
+    std::vector<int> reaches(fans.size(), 0);
+    for (int sweep = 0; sweep < 2; ++sweep)
+    {
+      const auto lists = this->wallPoints(vertices, fans);
+      if (sweep == 0)
+      {
+        unfitted = lists;
+      }
+      // Reach, then the changes of a net of that reach.
+      std::vector<std::vector<double>> changes(fans.size(), { 0.0 });
+      const Ranks& ranks = *this->Run.ranks;
+      this->Run.parallelFor(static_cast<Index>(fans.size()), 1, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i)
+        {
+          const WallPatch patch = this->wallPatch(vertices[i], fitted, lists[i], unfitted[i]);
+          const bool alone = std::all_of(patch.others.begin(), patch.others.end(),
+            [](const std::array<bool, 3>& others) { return !others[0] && !others[1] && !others[2]; });
+          if (static_cast<int>(i % ranks.size()) == ranks.rank() && !(alone && sweep > 0))
+          {
+            changes[i] = this->fitVertex(patch);
+          }
+        }
+      });
+      changes = gatherListsFromOwners<double>(
+        ranks, fans.size(), [&](std::size_t i) { return static_cast<int>(i % ranks.size()); },
+        [&](std::size_t i) { return changes[i]; });
+      std::vector<Change> onRank;
+      for (std::size_t i = 0; i < fans.size(); ++i)
+      {
+        LocalNetShape shape = this->Fans[fans[i]].shape;
+        shape.reach = static_cast<int>(changes[i][0]);
+        if (shape.reach == 0)
+        {
+          continue;
+        }
+        reaches[i] = shape.reach;
+        std::vector<Vec3> net(shape.size());
+        for (std::size_t a = 0; a < net.size(); ++a)
+        {
+          net[a] = Vec3(changes[i].data() + 1 + 3 * a);
+        }
+        this->listChanges(this->chain(fans[i], vertices[i].lastLayer, shape, net), onRank);
+      }
+      this->apply(std::move(onRank));
+    }
+    for (const int reach : reaches)
+    {
+      ++(reach == 0 ? this->Report.linearVertices : this->Report.fittedVertices);
+      this->Report.smallFits += reach == 3 ? 1 : 0;
+    }
+    this->evenShortSpokes();
+  }
+
+  std::vector<std::vector<std::vector<double>>> wallPoints(
+    const std::vector<WallVertex>& vertices, const std::vector<int>& fans) const
+  {
+    return this->gatherSectors(fans, [&](int i, int k) {
       const NetFan& fan = this->Fans[fans[i]];
-      const int layer = this->WallVertices[i].lastLayer ? fan.layers - 1 : 0;
+      const int layer = vertices[i].lastLayer ? fan.layers - 1 : 0;
       std::vector<double> list;
       for (int b = 0; b < PatchSize; ++b)
       {
@@ -1101,54 +1166,19 @@ private:
       }
       return list;
     });
-    // Reach, then the changes of a net of that reach.
-    std::vector<std::vector<double>> changes(fans.size());
-    const Ranks& ranks = *this->Run.ranks;
-    this->Run.parallelFor(static_cast<Index>(fans.size()), 1, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i)
-      {
-        if (static_cast<int>(i % ranks.size()) == ranks.rank())
-        {
-          changes[i] = this->fitVertex(this->WallVertices[i], fitted, lists[i]);
-        }
-      }
-    });
-    changes = gatherListsFromOwners<double>(
-      ranks, fans.size(), [&](std::size_t i) { return static_cast<int>(i % ranks.size()); },
-      [&](std::size_t i) { return changes[i]; });
-    std::vector<Change> onRank;
-    for (std::size_t i = 0; i < fans.size(); ++i)
-    {
-      LocalNetShape shape = this->Fans[fans[i]].shape;
-      shape.reach = static_cast<int>(changes[i][0]);
-      ++(shape.reach == 0 ? this->Report.linearVertices : this->Report.fittedVertices);
-      this->Report.smallFits += shape.reach == 3 ? 1 : 0;
-      if (shape.reach == 0)
-      {
-        continue;
-      }
-      std::vector<Vec3> net(shape.size());
-      for (std::size_t a = 0; a < net.size(); ++a)
-      {
-        net[a] = Vec3(changes[i].data() + 1 + 3 * a);
-      }
-      this->listChanges(this->chain(fans[i], this->WallVertices[i].lastLayer, shape, net), onRank);
-    }
-    this->apply(std::move(onRank));
-    this->evenShortSpokes();
   }
 
-  std::vector<double> fitVertex(
-    const WallVertex& vertex, const std::set<int>& fitted, const std::vector<std::vector<double>>& lists) const
+  WallPatch wallPatch(const WallVertex& vertex, const std::set<int>& fitted,
+    const std::vector<std::vector<double>>& lists, const std::vector<std::vector<double>>& unfitted) const
   {
     const NetFan& fan = this->Fans[vertex.fan];
     WallPatch patch;
     patch.size = PatchSize;
     patch.cells = fan.cells;
-    patch.alone = true;
     for (int k = 0; k < fan.shape.sectors; ++k)
     {
       const NetSector& sector = fan.sectors[k];
+      patch.others.emplace_back();
       // The vertices at the far end of one spoke, of the other, and of both.
       for (int far = 1; far < 4; ++far)
       {
@@ -1160,17 +1190,22 @@ private:
         const bool near =
           (!isFar[0] || fan.cells[k] < PatchSize) && (!isFar[1] || fan.cells[(k + 1) % fan.shape.spokes()] < PatchSize);
         const int corner = side[0] + 2 * side[1] + 4 * side[2];
-        patch.alone = patch.alone && !(near && fitted.count(this->Complex.blocks[sector.block].vertices[corner]) > 0);
+        patch.others.back()[far - 1] = near && fitted.count(this->Complex.blocks[sector.block].vertices[corner]) > 0;
       }
-    }
-    for (const std::vector<double>& list : lists)
-    {
-      patch.sectors.emplace_back();
-      for (int a = 0; a < PatchSize * PatchSize; ++a)
+      for (const bool before : { false, true })
       {
-        patch.sectors.back().emplace_back(Vec3(list.data() + 3 * a));
+        std::vector<Vec3>& points = (before ? patch.unfitted : patch.sectors).emplace_back();
+        for (int a = 0; a < PatchSize * PatchSize; ++a)
+        {
+          points.emplace_back((before ? unfitted : lists)[k].data() + 3 * a);
+        }
       }
     }
+    return patch;
+  }
+
+  std::vector<double> fitVertex(const WallPatch& patch) const
+  {
     const BodySurface& body = *this->Options.body;
     const BodyPoint at = body.closestPoint(patch.sectors[0][0]);
     const std::function<FootPoint(const Vec3&)> closest = [&](const Vec3& x) {

@@ -385,7 +385,9 @@ TEST(ExactG1, DoubleKnotsAreInsertedExactly)
   }
 }
 
-// The jumps are rounding, the wall is as close to the body as its knots allow, the curvature is that of the body.
+// The jumps are rounding, the wall is as close to the body as its knots allow, the curvature is that of the body:
+// bounds are what a prototype of the rule in numpy reaches on like bodies or, where this is better, what was reached
+// here.
 TEST(ExactG1, TableOfTheBodies)
 {
   const BodySurface body(bodycases::starPatches(Eigen::Matrix3d::Identity()));
@@ -407,10 +409,14 @@ TEST(ExactG1, TableOfTheBodies)
     const char* name;
     int cells;
     double distance; ///< to be reached
+    /// Mean curvature, to be reached on coarse meshes.
+    double lowest, highest;
   };
-  for (const Row& row : { Row{ "cube", 1, 1.0 }, Row{ "cube", 2, 1.0 }, Row{ "cube", 4, 1.9e-3 },
-         Row{ "cube", 8, 2e-4 }, Row{ "cube", 16, 2e-5 }, Row{ "L", 4, 3.2e-3 }, Row{ "L", 8, 2e-4 },
-         Row{ "L", 16, 2.5e-5 }, Row{ "mix", 4, 4e-3 } })
+  for (const Row& row :
+    { Row{ "cube", 1, 1.0, -9.0, 9.0 }, Row{ "cube", 2, 1.0, -9.0, 9.0 }, Row{ "cube", 4, 1e-3, -1.52, -0.24 },
+      Row{ "cube", 8, 1.9e-4, -1.27, -0.29 }, Row{ "cube", 16, 2e-5, -1.255, -0.29 },
+      Row{ "L", 4, 1.5e-3, -1.52, -0.22 }, Row{ "L", 8, 1.9e-4, -1.285, -0.28 }, Row{ "L", 16, 2e-5, -1.285, -0.29 },
+      Row{ "mix", 4, 1.6e-3, -3.2, 1.0 } })
   {
     const std::vector<double> radii{ 1.0, 1.1, 1.25 };
     MeshCase mesh = row.name[0] == 'm' ? mixedMesh(row.cells, radii)
@@ -439,10 +445,13 @@ TEST(ExactG1, TableOfTheBodies)
     EXPECT_LE(wall.distance, row.distance);
     if (row.cells >= 8)
     {
-      // 8 % of the body's range; a single-knot wall is 13 to 19 % off at every resolution.
-      EXPECT_NEAR(wall.lowest, low, 0.08 * (high - low));
-      EXPECT_NEAR(wall.highest, high, 0.08 * (high - low));
+      // 5 % of the body's range; a single-knot wall is 13 to 19 % off at every resolution.
+      EXPECT_NEAR(wall.lowest, low, 0.05 * (high - low));
+      EXPECT_NEAR(wall.highest, high, 0.05 * (high - low));
     }
+    EXPECT_GE(wall.lowest, row.lowest);
+    EXPECT_LE(wall.highest, row.highest);
+    EXPECT_EQ(converted.report.g1.linearVertices > 0, row.cells < 3);
   }
 }
 
