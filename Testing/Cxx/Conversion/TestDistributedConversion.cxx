@@ -7,6 +7,7 @@
 #include "Support/ConversionCases.h"
 #include "Support/MeshCases.h"
 #include "Support/ThreadRanks.h"
+#include "Wall/BodyFit.h"
 #include "WingFuselage/WingFuselageBody.h"
 #include "WingFuselage/WingFuselageMesh.h"
 
@@ -37,6 +38,8 @@ struct Case
   /// Behind the pointers of the options.
   std::vector<std::vector<double>> spacing, projected, normals;
   std::shared_ptr<BodySurface> body;
+  /// Wall points are fitted to the body before.
+  bool onBody = false;
 
   Case(std::string theName, MeshCase theMesh, ConversionOptions theOptions = {})
     : name(std::move(theName))
@@ -171,6 +174,12 @@ Converted expectSerialBits(Case test, unsigned distributions)
   Converted serial;
   const BlockMesh mesh = test.mesh.mesh();
   serial.complex = buildBlockComplex(mesh, test.complexOptions);
+  if (test.onBody)
+  {
+    BodyFitOptions fit;
+    fit.body = test.options.body;
+    fitBody(serial.complex, test.optionsOfAll(), fit);
+  }
   conversioncases::convertComplex(serial, test.optionsOfAll());
   const int blocks = static_cast<int>(mesh.blocks.size());
   std::vector<int> rankOf(blocks);
@@ -449,12 +458,14 @@ TEST(DistributedConversion, ExactG1)
   {
     body.mesh.boundaries.push_back({ b, 4, { { 0, 0 }, { 5, 5 } }, 0 });
   }
+  body.onBody = true;
   body.options = withRoles({ BoundaryRole::Body });
   body.body = std::make_shared<BodySurface>(bodycases::starPatches(Eigen::Matrix3d::Identity()));
   for (Case* test : { &stack, &short1, &nodes, &body })
   {
     test->options.continuity = Continuity::ExactG1;
-    expectSerialBits(*test, 6);
+    const Converted serial = expectSerialBits(*test, 6);
+    EXPECT_EQ(serial.report.g1.fittedVertices > 0, test->onBody);
   }
   for (unsigned seed = 9; seed <= 13; ++seed)
   {
