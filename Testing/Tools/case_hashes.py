@@ -27,6 +27,8 @@ OPTIONS = [
     {"PlanarSides": "All"},
     {"PlanarSides": "None"},
     {"Continuity": "ExactG1"},
+    {"Continuity": "ExactG1", "UseCreaseAngle": 1, "CreaseAngle": 30.0},
+    {"Continuity": "ExactG1", "Twist": "PCCM"},
     {"Twist": "Parallelogram"},
     {"Twist": "Mask"},
     {"WallSpacingMode": "Automatic", "FarFieldSpacing": "PerVertex"},
@@ -37,6 +39,7 @@ BODY_OPTIONS = [
     {"InputPoints": "OnBody"},
     {"InputPoints": "OnBody", "UseCreaseAngle": 1, "CreaseAngle": 30.0},
     {"InputPoints": "OnBody", "WallSpacingMode": "Automatic"},
+    {"InputPoints": "OnBody", "Continuity": "ExactG1"},
 ]
 
 
