@@ -40,12 +40,6 @@ int findUse(const ComplexEdge& edge, int block, int blockEdge)
     std::to_string(block) + " is not part of the edge across its face");
 }
 
-FanSector sectorOf(const EdgeUse& use, int first)
-{
-  const int along = edgeDirection(use.edge);
-  return { use.block, use.edge, use.reversed, along, first, 3 - along - first };
-}
-
 } // namespace
 
 FaceContact contactOf(const BlockComplex& complex, int block, int face)
@@ -60,10 +54,10 @@ FaceContact contactOf(const BlockComplex& complex, int block, int face)
   return { other.block, other.face, isFirst ? shared.orientation : inverseOrientation(shared.orientation) };
 }
 
-int FanSector::side(int direction) const
+FanSector sectorAt(const EdgeUse& use, int first)
 {
-  const int axis = faceAxis(2 * this->along, 0) == direction ? 0 : 1;
-  return edgeSide(this->edge, axis);
+  const int along = edgeDirection(use.edge);
+  return { use.block, use.edge, use.reversed, along, first, 3 - along - first };
 }
 
 Ijk FanSector::point(const ComplexBlock& owner, int k, int a, int b) const
@@ -79,6 +73,12 @@ int FanSector::spokeFace(int which) const
 {
   const int normal = which == 0 ? this->second : this->first;
   return 2 * normal + this->side(normal);
+}
+
+int FanSector::spokeEdge(int which, int end) const
+{
+  const int face = this->spokeFace(which);
+  return faceEdge(face, faceAxis(face, 0) == this->along ? 1 : 0, faceSide(this->endFace(end)));
 }
 
 std::vector<EdgeFan> edgeFans(const BlockComplex& complex, int edge)
@@ -98,7 +98,7 @@ std::vector<EdgeFan> edgeFans(const BlockComplex& complex, int edge)
     const int use = findUse(shared, contact.block, edgeAcross(face, sector.edge, contact));
     // In the next block the spoke we came through lies on contact.face, so it runs along the other direction.
     const int along = edgeDirection(shared.uses[use].edge);
-    sector = sectorOf(shared.uses[use], 3 - along - faceDirection(contact.face));
+    sector = sectorAt(shared.uses[use], 3 - along - faceDirection(contact.face));
     return true;
   };
   const auto turned = [](FanSector sector) {
@@ -113,7 +113,7 @@ std::vector<EdgeFan> edgeFans(const BlockComplex& complex, int edge)
     {
       continue;
     }
-    const FanSector origin = sectorOf(shared.uses[start], faceAxis(2 * edgeDirection(shared.uses[start].edge), 0));
+    const FanSector origin = sectorAt(shared.uses[start], faceAxis(2 * edgeDirection(shared.uses[start].edge), 0));
     // Walk backwards to the border, if there is one.
     FanSector first = turned(origin);
     bool closed = true;

@@ -35,8 +35,18 @@ struct FanSector
   /// Block face on which the first (0) or second (1) spoke lies.
   int spokeFace(int which) const;
   /// Side (0 or 1) of the block in `direction`, one of first and second, at which the edge sits.
-  int side(int direction) const;
+  int side(int direction) const { return edgeSide(this->edge, faceAxis(2 * this->along, 0) == direction ? 0 : 1); }
+  /// Block face and block corner at the start (0) or end (1) of the global edge, and the block edge along the first (0)
+  /// or second (1) spoke there.
+  ///@{
+  int endFace(int end) const { return 2 * this->along + (this->reversed ? 1 - end : end); }
+  int corner(int end) const { return edgeCorner(this->edge, this->reversed ? 1 - end : end); }
+  int spokeEdge(int which, int end) const;
+  ///@}
 };
+
+/// A block at an edge, from the spoke in direction `first` on.
+FanSector sectorAt(const EdgeUse& use, int first);
 
 /// Blocks around an edge, each sharing a face with the next. Spoke i is the face where sector i starts; an open fan has
 /// one spoke more than sectors. Where a fan starts and in which sense it runs is arbitrary.
@@ -57,6 +67,12 @@ struct EdgeFan
   {
     const auto [sector, which] = this->spoke(i);
     return complex.blocks[sector->block].faces[sector->spokeFace(which)];
+  }
+  /// Global edge along spoke i at the start (0) or end (1) of the edge.
+  int edgeOf(const BlockComplex& complex, int i, int end) const
+  {
+    const auto [sector, which] = this->spoke(i);
+    return complex.blocks[sector->block].edges[sector->spokeEdge(which, end)];
   }
 };
 

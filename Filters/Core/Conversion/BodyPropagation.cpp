@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Conversion/BodyPropagation.h"
 
+#include "Base/SortedSum.h"
 #include "Conversion/SurfaceConversion.h"
 #include "Ranks/OwnedValues.h"
 
@@ -92,13 +93,8 @@ std::optional<std::pair<Link, double>> firstLink(const ConversionContext& contex
     const int face = star.blocks[info.sectors[i]].faces[info.fan->sectors[i].along];
     delta.sectors[i] = star.facePoints[face] - delta.sectors[i];
   }
-  std::sort(lengths.begin(), lengths.end()); // any numbering gives the same bits
-  double reach = 0.0;
-  for (const double length : lengths)
-  {
-    reach += context.options.propagationRange * length / static_cast<double>(lengths.size());
-  }
-  return std::make_pair(Link{ star.edges[axes.up].edge, star.edges[axes.up].end, delta, {} }, reach);
+  return std::make_pair(Link{ star.edges[axes.up].edge, star.edges[axes.up].end, delta, {} },
+    propagationReach(context.options, std::move(lengths)));
 }
 
 /// Fills the link's distances, which start at `distance`; the link that continues it, if there is one.
@@ -178,6 +174,15 @@ bool endMoves(const ConversionContext& context, const Link& link)
 }
 
 } // namespace
+
+double propagationReach(const ConversionOptions& options, std::vector<double> lengths)
+{
+  for (double& length : lengths)
+  {
+    length = options.propagationRange * length / static_cast<double>(lengths.size());
+  }
+  return sortedSum(std::move(lengths));
+}
 
 void moveEnd(const ConversionContext& context, Star& star)
 {

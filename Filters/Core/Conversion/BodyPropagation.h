@@ -21,6 +21,10 @@ namespace bsv
 /// The context's own corrections must be empty. Collective.
 LayerCorrections bodyCorrections(const ConversionContext& context, const Ranks& ranks);
 
+/// How far a change of the wall is carried, given the lengths of the edges around: the propagation range times their
+/// mean.
+double propagationReach(const ConversionOptions& options, std::vector<double> lengths);
+
 /// Moves the outer surface at the end of layers that have not faded out there.
 void moveEnd(const ConversionContext& context, Star& star);
 

@@ -78,7 +78,7 @@ void placeExtension(const ConversionContext& context, const LocalStars& stars, F
     const int d = faceDirection(use.face);
     const auto point = [&](int fromEnd) {
       position[d] = context.endPosition(use.block, d, faceSide(use.face), fromEnd);
-      return Vec3(Eigen::Map<const Vec3>(context.nets[use.block].points + 3 * context.index(use.block, position)));
+      return Vec3(context.controlPoint(use.block, context.index(use.block, position)));
     };
     const Vec3 last = point(0);
     return normal.dot(last - point(1));

@@ -89,6 +89,15 @@ struct ConversionContext
     return side == 0 ? fromEnd : this->count(block, d) - 1 - fromEnd;
   }
   int innerPosition(int block, int d, int meshIndex) const { return meshIndex + (this->isDoubled(block, d) ? 2 : 1); }
+  /// `along` the edge of a sector, `a` from it along the first spoke and `b` along the second.
+  Ijk besideEdge(const FanSector& sector, int along, int a, int b) const
+  {
+    Ijk position;
+    position[sector.along] = along;
+    position[sector.first] = this->endPosition(sector.block, sector.first, sector.side(sector.first), a);
+    position[sector.second] = this->endPosition(sector.block, sector.second, sector.side(sector.second), b);
+    return position;
+  }
   Index index(int block, const Ijk& position) const
   {
     return position[0] + Index(this->count(block, 0)) * (position[1] + Index(this->count(block, 1)) * position[2]);
@@ -97,6 +106,10 @@ struct ConversionContext
   std::array<int, 2> copiesInRow(int block, int j, int k) const;
   ///@}
 
+  Eigen::Map<Vec3> controlPoint(int block, Index place) const
+  {
+    return Eigen::Map<Vec3>(this->nets[block].points + 3 * place);
+  }
   void write(int block, const Ijk& position, const Vec3& point, ControlPointRule rule) const
   {
     if (!this->isHere(block))

@@ -110,8 +110,7 @@ void adjustLayer(const ConversionContext& context, Fan& points, const EdgeFan& f
   const Fan below = meshFan(context, fan, base);
   const auto ratioAt = [&](const FanSector& sector, int a, int b) {
     const ComplexBlock& owner = context.complex.blocks[sector.block];
-    const bool upper = sector.reversed ? base == 0 : base != 0;
-    return layerRatio(context, sector.block, 2 * sector.along + (upper ? 1 : 0), sector.point(owner, base, a, b),
+    return layerRatio(context, sector.block, sector.endFace(base == 0 ? 0 : 1), sector.point(owner, base, a, b),
       sector.point(owner, base, 0, 0));
   };
   std::vector<double> spokes(points.spokeCount(), 1.0);
@@ -193,11 +192,8 @@ namespace
 Ijk controlPosition(const ConversionContext& context, const FanSector& sector, int k, int a, int b)
 {
   const int cells = context.complex.blocks[sector.block].cells(sector.along);
-  Ijk ijk;
-  ijk[sector.along] = context.innerPosition(sector.block, sector.along, sector.reversed ? cells - k : k);
-  ijk[sector.first] = context.endPosition(sector.block, sector.first, sector.side(sector.first), a);
-  ijk[sector.second] = context.endPosition(sector.block, sector.second, sector.side(sector.second), b);
-  return ijk;
+  const int along = context.innerPosition(sector.block, sector.along, sector.reversed ? cells - k : k);
+  return context.besideEdge(sector, along, a, b);
 }
 
 /// Whether the layers of a fan follow the regular rule, with knot insertion in all faces around.

@@ -2,6 +2,7 @@
 #include "Conversion/G1Fit.h"
 
 #include "Base/CanonicalOrder.h"
+#include "Conversion/DoubleKnots.h"
 #include "Volume/BSplineVolume.h"
 
 #include <Eigen/SparseCore>
@@ -14,29 +15,6 @@ namespace bsv
 {
 namespace
 {
-
-SpokeKind kindOf(int cells)
-{
-  return static_cast<SpokeKind>(std::min(cells, 3));
-}
-
-/// Knots along a spoke of so many cells, as far as `count` control points need them.
-std::vector<double> knotsAlong(int cells, int count)
-{
-  std::vector<double> knots = spokeKnots(kindOf(cells), count + 4);
-  if (cells >= 3)
-  {
-    // {0^4,1,1,2,..,I-1,I-1,I^4}
-    knots.assign({ 0.0, 0.0, 0.0, 0.0, 1.0 });
-    for (int i = 1; i < cells; ++i)
-    {
-      knots.push_back(i);
-    }
-    knots.push_back(cells - 1.0);
-    knots.insert(knots.end(), 4, cells);
-  }
-  return knots;
-}
 
 /// The B-splines at one parameter: of control points first .. first + 3.
 struct SplineBasis
@@ -101,13 +79,6 @@ Eigen::MatrixXd nullSpace(const std::vector<NetRow>& rows, const std::vector<int
   return basis;
 }
 
-/// What is between two vertices that are fitted neither of them sees whole: there the net is held more.
-bool isNearOthers(const WallPatch& patch)
-{
-  return std::any_of(patch.others.begin(), patch.others.end(),
-    [](const std::array<bool, 3>& others) { return others[0] || others[1] || others[2]; });
-}
-
 class Fit
 {
 public:
@@ -117,12 +88,10 @@ public:
     , Reach(reach)
   {
     const int n = static_cast<int>(start.sectors.size());
-    this->Shape.closed = true;
-    this->Shape.sectors = n;
-    this->Shape.reach = reach;
+    this->Shape = { true, n, reach, {} };
     for (const int cells : start.cells)
     {
-      this->Shape.kinds.push_back(kindOf(cells));
+      this->Shape.kinds.push_back(spokeKind(cells));
     }
     // A frame in which the normal coordinate is one of its own.
     this->Frame.col(2) = foot.normal;
@@ -141,7 +110,7 @@ public:
     const double bend = std::min(1.0, curvature * this->Size);
     this->Damping = 0.004 * bend * std::sqrt(bend);
     this->makeSamples(start);
-    this->Norm = this->distanceNorm(isNearOthers(start) ? 0.3 : 0.15);
+    this->Norm = this->distanceNorm(start.isNearOthers() ? 0.3 : 0.15);
     this->makeUnknowns();
     this->First = this->linearize(this->Start);
     this->OnBody = this->isNearerThanControls(start);
@@ -334,16 +303,7 @@ private:
   std::vector<Vec3> netOf(const std::vector<std::vector<Vec3>>& sectors, int size) const
   {
     std::vector<Vec3> net(this->Shape.size());
-    for (int k = 0; k < this->Shape.sectors; ++k)
-    {
-      for (int j = 0; j <= this->Reach; ++j)
-      {
-        for (int i = 0; i <= this->Reach; ++i)
-        {
-          net[this->Shape.sector(k, i, j)] = sectors[k][i + size * j];
-        }
-      }
-    }
+    this->Shape.forPoints([&](int a, int k, int i, int j) { net[a] = sectors[k][i + size * j]; });
     return net;
   }
 
@@ -363,7 +323,7 @@ private:
         {
           parameters[d].push_back((q + 0.5) / PerSpan);
         }
-        const std::vector<double> knots = knotsAlong(cells[d], start.size);
+        const std::vector<double> knots = volumeKnots(cells[d], true);
         for (const double u : parameters[d])
         {
           bases[d].emplace_back(knots, u);
@@ -531,6 +491,12 @@ WallPatch turned(const WallPatch& patch, const CycleOrder& order)
 
 } // namespace
 
+bool WallPatch::isNearOthers() const
+{
+  return std::any_of(this->others.begin(), this->others.end(),
+    [](const std::array<bool, 3>& ends) { return ends[0] || ends[1] || ends[2]; });
+}
+
 G1FitResult fitToBody(
   const WallPatch& start, const FootPoint& foot, double curvature, const std::function<FootPoint(const Vec3&)>& closest)
 {
@@ -539,7 +505,7 @@ G1FitResult fitToBody(
   const CycleOrder order(n, [&](int a, int b) { return comesBefore(start.unfitted[a][1], start.unfitted[b][1]); });
   const WallPatch sorted = turned(start, order);
   const bool large = *std::min_element(start.cells.begin(), start.cells.end()) >= 8;
-  const bool near = isNearOthers(sorted);
+  const bool near = sorted.isNearOthers();
   // Where points slide too far, a stiffer one.
   G1FitResult result;
   for (int reach = large ? 4 : 3; reach >= 3 && result.reach == 0; --reach)
@@ -560,18 +526,9 @@ G1FitResult fitToBody(
     {
       shape.kinds[order.item(k)] = result.shape.kinds[k];
     }
-    for (int k = 0; k < n; ++k)
-    {
-      const int own = order.gap(k);
-      for (int j = 0; j <= shape.reach; ++j)
-      {
-        for (int i = 0; i <= shape.reach; ++i)
-        {
-          net[order.backwards() ? shape.sector(own, j, i) : shape.sector(own, i, j)] =
-            result.net[result.shape.sector(k, i, j)];
-        }
-      }
-    }
+    shape.forPoints([&](int a, int k, int i, int j) {
+      net[shape.sector(order.gap(k), order.backwards() ? j : i, order.backwards() ? i : j)] = result.net[a];
+    });
     result.shape = shape;
     result.net = std::move(net);
   }

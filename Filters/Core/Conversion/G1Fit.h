@@ -29,6 +29,9 @@ struct WallPatch
   std::vector<std::vector<Vec3>> sectors, unfitted;
   /// Per sector whether another vertex is fitted at the far end of its first spoke, of its second, of both.
   std::vector<std::array<bool, 3>> others;
+
+  /// Whether there are any. What is between two vertices neither of them sees whole: there the net is held more.
+  bool isNearOthers() const;
 };
 
 struct G1FitResult

@@ -15,19 +15,12 @@
 /// planar sides have their c_1 moved as little as condition (a) needs: they stay in their planes.
 #pragma once
 
-#include "Conversion/ConversionContext.h"
+#include "Conversion/NetFans.h"
 
 #include <vector>
 
 namespace bsv
 {
-
-/// A span by its block and the first of its control points per direction, in the nets with double knots.
-struct JoinedSpan
-{
-  int block;
-  Ijk first;
-};
 
 /// Makes nets with the double knots of `context.doubled` exactly G1. Collective.
 /// @param avoid spans next to which layers are not joined, the same on all ranks.

@@ -3,6 +3,7 @@
 
 #include "Base/Numbers.h"
 #include "Base/OrderFreeSum.h"
+#include "Conversion/DoubleKnots.h"
 #include "Volume/BSplineVolume.h"
 
 #include <algorithm>
@@ -177,24 +178,9 @@ struct Symmetry
   std::vector<int> points(const LocalNetShape& shape) const
   {
     std::vector<int> map(shape.size(), 0);
-    for (int k = 0; k < shape.spokes(); ++k)
-    {
-      for (int i = 1; i <= shape.reach; ++i)
-      {
-        map[shape.spoke(k, i)] = shape.spoke(this->spoke(shape, k), i);
-      }
-    }
-    for (int k = 0; k < shape.sectors; ++k)
-    {
-      for (int i = 1; i <= shape.reach; ++i)
-      {
-        for (int j = 1; j <= shape.reach; ++j)
-        {
-          map[shape.sector(k, i, j)] =
-            this->reflected ? shape.sector(this->sector(shape, k), j, i) : shape.sector(this->sector(shape, k), i, j);
-        }
-      }
-    }
+    shape.forPoints([&](int a, int k, int i, int j) {
+      map[a] = shape.sector(this->sector(shape, k), this->reflected ? j : i, this->reflected ? i : j);
+    });
     return map;
   }
 };
@@ -325,22 +311,14 @@ void applyChange(const std::vector<JoinCondition>& list, const std::vector<int>&
 
 std::vector<double> spokeKnots(SpokeKind kind, int count)
 {
-  std::vector<double> knots(4, 0.0);
-  if (kind == 1)
+  if (kind < 3)
   {
-    knots.insert(knots.end(), { 1.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 1.0, 1.0, 1.0, 1.0 });
+    return volumeKnots(kind, true);
   }
-  else if (kind == 2)
+  std::vector<double> knots{ 0.0, 0.0, 0.0, 0.0, 1.0, 1.0 };
+  for (double next = 2.0; static_cast<int>(knots.size()) < count; ++next)
   {
-    knots.insert(knots.end(), { 0.5, 0.5, 1.0, 1.5, 1.5, 2.0, 2.0, 2.0, 2.0 });
-  }
-  else
-  {
-    knots.insert(knots.end(), { 1.0, 1.0 });
-    for (double next = 2.0; static_cast<int>(knots.size()) < count; ++next)
-    {
-      knots.push_back(next);
-    }
+    knots.push_back(next);
   }
   return knots;
 }
@@ -447,16 +425,12 @@ JoinRule::JoinRule(const LocalNetShape& given)
       this->FirstPoints.push_back(shape.spoke(k, 1));
     }
   }
-  for (int k = 0; k < shape.sectors; ++k)
-  {
-    for (int j = 1; j <= shape.reach; ++j)
+  shape.forPoints([&](int a, int, int i, int j) {
+    if (i > 0 && j > 0)
     {
-      for (int i = 1; i <= shape.reach; ++i)
-      {
-        this->Points.push_back(shape.sector(k, i, j));
-      }
+      this->Points.push_back(a);
     }
-  }
+  });
   constexpr double LeastWeight = 0.01;
   const Eigen::MatrixXd form = bendingForm(shape, 1);
   Eigen::MatrixXd weights(this->Points.size(), this->Points.size());
@@ -572,24 +546,6 @@ void PccmRule::apply(std::vector<Vec3>& net) const
     net[condition.left] -= half;
     net[condition.right] -= half;
   }
-}
-
-void JoinRules::prepare(const LocalNetShape& shape)
-{
-  const auto at = std::lower_bound(this->Rules.begin(), this->Rules.end(), shape,
-    [](const auto& entry, const LocalNetShape& other) { return entry.first < other; });
-  if (at == this->Rules.end() || shape < at->first)
-  {
-    this->Rules.insert(at, { shape, std::make_shared<const JoinRule>(shape) });
-  }
-}
-
-const JoinRule& JoinRules::at(const LocalNetShape& shape) const
-{
-  return *std::lower_bound(
-    this->Rules.begin(), this->Rules.end(), shape, [](const auto& entry, const LocalNetShape& other) {
-      return entry.first < other;
-    })->second;
 }
 
 double joinDefect(const LocalNetShape& shape, const std::vector<Vec3>& net)

@@ -31,7 +31,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -40,6 +39,11 @@ namespace bsv
 
 /// Cells along a spoke, as far as they matter to the knots there: 1, 2, or 3 for all larger numbers.
 using SpokeKind = std::uint8_t;
+
+inline SpokeKind spokeKind(int cells)
+{
+  return static_cast<SpokeKind>(cells < 3 ? cells : 3);
+}
 
 /// Knots along a spoke of that kind, from the vertex on: {0^4,1/3,1/3,2/3,2/3,1^4}, {0^4,1/2,1/2,1,3/2,3/2,2^4} or as
 /// many of {0^4,1,1,2,3,..} as `count` says.
@@ -64,6 +68,27 @@ struct LocalNetShape
     return i == 0 ? this->spoke((k + 1) % this->spokes(), j)
       : j == 0    ? this->spoke(k, i)
                   : 1 + this->reach * this->spokes() + this->reach * this->reach * k + i - 1 + this->reach * (j - 1);
+  }
+  /// Calls body(point, i, j) for all points of a sector.
+  template <typename Body>
+  void forSector(int k, const Body& body) const
+  {
+    for (int j = 0; j <= this->reach; ++j)
+    {
+      for (int i = 0; i <= this->reach; ++i)
+      {
+        body(this->sector(k, i, j), i, j);
+      }
+    }
+  }
+  /// Calls body(point, k, i, j) for all points of all sectors; those of spokes come from both sides.
+  template <typename Body>
+  void forPoints(const Body& body) const
+  {
+    for (int k = 0; k < this->sectors; ++k)
+    {
+      this->forSector(k, [&](int point, int i, int j) { body(point, k, i, j); });
+    }
   }
   /// Spokes that have conditions: all of a closed fan, the inner ones of an open one.
   bool isJoined(int k) const { return this->closed || (k > 0 && k < this->sectors); }
@@ -135,19 +160,6 @@ private:
   std::vector<JoinCondition> First, Diagonal, Outer;
   std::vector<int> FirstPoints, DiagonalPoints;
   Eigen::MatrixXd FirstChange, DiagonalChange;
-};
-
-/// Rules by shape, each computed once: fill it before loops run in parallel.
-class JoinRules
-{
-public:
-  /// Computes the rule of a shape if there is none yet.
-  void prepare(const LocalNetShape& shape);
-  /// The prepared rule.
-  const JoinRule& at(const LocalNetShape& shape) const;
-
-private:
-  std::vector<std::pair<LocalNetShape, std::shared_ptr<const JoinRule>>> Rules;
 };
 
 /// Largest defect of the conditions, over the largest |c_1 - P|.

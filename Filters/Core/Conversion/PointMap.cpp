@@ -122,7 +122,7 @@ PointMap pointMap(const ConversionContext& context, const MeshPointKey& owner)
     std::vector<Vec3> values;
     for (const auto& [block, at] : map.outputs)
     {
-      values.emplace_back(context.nets[block].points + 3 * at);
+      values.emplace_back(context.controlPoint(block, at));
     }
     return values;
   };

@@ -274,7 +274,7 @@ private:
         SpanControl control;
         for (int p = 0; p < 64; ++p)
         {
-          control[p] = Eigen::Map<const Vec3>(this->Context.nets[blocks[i]].points + 3 * entries[i]->control[p]);
+          control[p] = this->Context.controlPoint(blocks[i], entries[i]->control[p]);
         }
         entries[i]->penalty = spanPenalty(control, entries[i]->bezier, entries[i]->scale, Aim);
       }
@@ -683,11 +683,6 @@ private:
   ///@}
   std::map<MeshPointKey, PointMap> Maps;
 };
-
-} // namespace
-
-namespace
-{
 
 /// Calls action(cells, doubled, net) for the blocks of this rank.
 template <typename Action>

@@ -177,7 +177,7 @@ Star makeStar(const ConversionContext& context, int vertex)
     for (const FanSector& sector : info.fan->sectors)
     {
       // The corner of the sector's block at this end of the edge.
-      const int corner = edgeCorner(sector.edge, star.edges[e].end ^ (sector.reversed ? 1 : 0));
+      const int corner = sector.corner(star.edges[e].end);
       int index = 0;
       while (star.blocks[index].block != sector.block || star.blocks[index].corner != corner)
       {
