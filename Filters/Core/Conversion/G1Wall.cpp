@@ -47,6 +47,16 @@ std::vector<Vec3> pointsOf(const double* coordinates, int count)
   return points;
 }
 
+std::vector<std::vector<Vec3>> sectorsOf(const std::vector<std::vector<double>>& lists)
+{
+  std::vector<std::vector<Vec3>> sectors;
+  for (const std::vector<double>& list : lists)
+  {
+    sectors.push_back(pointsOf(list.data(), PatchSize * PatchSize));
+  }
+  return sectors;
+}
+
 /// Per sector whether a vertex that is `fitted` is at the far end of one spoke, of the other, or of both, and near.
 std::vector<std::array<bool, 3>> othersNear(const NetFans& fans, const FanEnd& at, const std::set<int>& fitted)
 {
@@ -123,37 +133,43 @@ SectorLists pointsAround(
   return gatherSectors(fans, around, ranks, [&](int i, int k) { return wallPoints(context, fans, vertices[i], k); });
 }
 
-/// fitVertex() of vertices, each on one rank. @param again only of those with others near
-/// @param before, now points of the wall around them, before any fit and as they are
-std::vector<std::vector<double>> fitVertices(const ConversionContext& context, const NetFans& fans,
-  const std::vector<FanEnd>& vertices, const SectorLists& before, const SectorLists& now, bool again,
-  const Execution& run)
+/// The patches before any fit, on all ranks.
+std::vector<WallPatch> wallPatches(
+  const ConversionContext& context, const NetFans& fans, const std::vector<FanEnd>& vertices, const Ranks& ranks)
 {
-  const Ranks& ranks = *run.ranks;
   std::set<int> fitted;
   for (const FanEnd& at : vertices)
   {
     fitted.insert(fans.vertexOf(at));
   }
-  std::vector<std::vector<double>> changes(vertices.size(), { 0.0 });
+  const SectorLists lists = pointsAround(context, fans, vertices, ranks);
+  std::vector<WallPatch> patches;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+  {
+    const std::vector<std::vector<Vec3>> sectors = sectorsOf(lists[i]);
+    patches.push_back(
+      { PatchSize, fans.all[vertices[i].fan].cells, sectors, sectors, othersNear(fans, vertices[i], fitted) });
+  }
+  return patches;
+}
+
+/// fitVertex() of all patches, each on one rank. @param onlyNear only of those with others near
+std::vector<std::vector<double>> fitVertices(
+  const BodySurface& body, const std::vector<WallPatch>& patches, bool onlyNear, const Execution& run)
+{
+  const Ranks& ranks = *run.ranks;
+  std::vector<std::vector<double>> changes(patches.size(), { 0.0 });
   const auto rankOf = [&](std::size_t i) { return static_cast<int>(i % ranks.size()); };
-  run.parallelFor(static_cast<Index>(vertices.size()), 1, [&](Index begin, Index end) {
+  run.parallelFor(static_cast<Index>(patches.size()), 1, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
     {
-      WallPatch patch{ PatchSize, fans.all[vertices[i].fan].cells, {}, {}, othersNear(fans, vertices[i], fitted) };
-      if (rankOf(i) != ranks.rank() || (again && !patch.isNearOthers()))
+      if (rankOf(i) == ranks.rank() && (!onlyNear || patches[i].isNearOthers()))
       {
-        continue;
+        changes[i] = fitVertex(body, patches[i]);
       }
-      for (std::size_t k = 0; k < now[i].size(); ++k)
-      {
-        patch.sectors.push_back(pointsOf(now[i][k].data(), PatchSize * PatchSize));
-        patch.unfitted.push_back(pointsOf(before[i][k].data(), PatchSize * PatchSize));
-      }
-      changes[i] = fitVertex(*context.options.body, patch);
     }
   });
-  return gatherListsFromOwners<double>(ranks, vertices.size(), rankOf, [&](std::size_t i) { return changes[i]; });
+  return gatherListsFromOwners<double>(ranks, patches.size(), rankOf, [&](std::size_t i) { return changes[i]; });
 }
 
 } // namespace
@@ -177,13 +193,22 @@ bool fitWall(const ConversionContext& context, const NetFans& fans, const NetLay
   {
     return false;
   }
-  const SectorLists before = pointsAround(context, fans, vertices, *run.ranks);
+  std::vector<WallPatch> patches = wallPatches(context, fans, vertices, *run.ranks);
+  const bool anyNear =
+    std::any_of(patches.begin(), patches.end(), [](const auto& patch) { return patch.isNearOthers(); });
   std::vector<int> reaches(vertices.size(), 0);
   // Neighbours that are near see what the others did, once.
-  for (const bool again : { false, true })
+  for (int sweep = 0; sweep < (anyNear ? 2 : 1); ++sweep)
   {
-    const SectorLists now = again ? pointsAround(context, fans, vertices, *run.ranks) : before;
-    const auto changes = fitVertices(context, fans, vertices, before, now, again, run);
+    if (sweep > 0)
+    {
+      const SectorLists now = pointsAround(context, fans, vertices, *run.ranks);
+      for (std::size_t i = 0; i < patches.size(); ++i)
+      {
+        patches[i].sectors = sectorsOf(now[i]);
+      }
+    }
+    const auto changes = fitVertices(*context.options.body, patches, sweep > 0, run);
     std::vector<std::vector<NetShift>> shifts;
     for (std::size_t i = 0; i < changes.size(); ++i)
     {
