@@ -9,7 +9,8 @@
 namespace bsv
 {
 
-/// Moves the points beside these spokes, from the fifth on, in all layers that are joined. Collective.
+/// Moves the points beside these spokes, from the fifth on, in all layers that are joined, and in the groups of the
+/// wall. Collective.
 void evenShortSpokes(
   const ConversionContext& context, const NetFans& fans, const NetLayers& layers, const Ranks& ranks);
 
