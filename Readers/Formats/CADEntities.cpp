@@ -14,13 +14,22 @@
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_ReportEntity.hxx>
 #include <STEPControl_Reader.hxx>
+#include <StepBasic_ProductDefinitionRelationship.hxx>
 #include <StepGeom_Surface.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepRepr_PropertyDefinition.hxx>
+#include <StepRepr_Representation.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepRepr_SpecifiedHigherUsageOccurrence.hxx>
 #include <StepShape_Face.hxx>
 #include <StepShape_GeometricSet.hxx>
+#include <StepShape_ShapeDefinitionRepresentation.hxx>
 #include <StepVisual_Invisibility.hxx>
 #include <StepVisual_InvisibleItem.hxx>
+#include <StepVisual_OverRidingStyledItem.hxx>
 #include <StepVisual_PresentationLayerAssignment.hxx>
+#include <StepVisual_PresentationStyleByContext.hxx>
+#include <StepVisual_StyleContextSelect.hxx>
 #include <StepVisual_StyledItem.hxx>
 #include <TColStd_HArray1OfReal.hxx>
 #include <TColStd_HArray2OfReal.hxx>
@@ -29,6 +38,7 @@
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopLoc_Datum3D.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TransferBRep.hxx>
@@ -283,30 +293,145 @@ int faceCount(const TopoDS_Shape& shape)
   return faces.Extent();
 }
 
-/// Wherever they are placed.
-using HiddenFaces = std::unordered_set<const TopoDS_TShape*>;
-
-/// Adds the faces of an item that a STEP file hides.
-void addInvisible(STEPControl_Reader& reader, const StepVisual_InvisibleItem& item, HiddenFaces& hidden)
+/// The shape that came of an entity, which need not be a root.
+TopoDS_Shape shapeOf(XSControl_Reader& reader, const Handle(Standard_Transient) & entity)
 {
-  const auto add = [&](const Handle(Standard_Transient) & entity) {
-    const TopoDS_Shape shape = entity.IsNull() ? TopoDS_Shape() : reader.WS()->TransferReader()->ShapeResult(entity);
+  return entity.IsNull() ? TopoDS_Shape()
+                         : TransferBRep::ShapeResult(reader.WS()->TransferReader()->TransientProcess(), entity);
+}
+
+/// Whether a location is `place` in an assembly that may be anywhere. Locations begin with what is done first.
+bool isIn(TopLoc_Location location, TopLoc_Location place)
+{
+  if (place.IsIdentity())
+  {
+    return location.IsIdentity();
+  }
+  while (!place.IsIdentity() && !location.IsIdentity() && place.FirstDatum() == location.FirstDatum() &&
+    place.FirstPower() == location.FirstPower())
+  {
+    place = place.NextLocation();
+    location = location.NextLocation();
+  }
+  return place.IsIdentity();
+}
+
+/// Faces that a STEP file hides.
+class HiddenFaces
+{
+public:
+  explicit HiddenFaces(STEPControl_Reader& reader)
+    : Reader(reader)
+    , Graph(reader.WS()->Model(), Standard_False)
+  {
+  }
+
+  void add(const StepVisual_InvisibleItem& item)
+  {
+    const Handle(StepVisual_StyledItem) styled = item.StyledItem();
+    if (!styled.IsNull())
+    {
+      this->add(styled->Item(), this->placeOf(styled));
+    }
+    const Handle(StepVisual_PresentationLayerAssignment) layer = item.PresentationLayerAssignment();
+    for (int k = 1; !layer.IsNull() && k <= layer->NbAssignedItems(); ++k)
+    {
+      this->add(layer->AssignedItemsValue(k).Value(), {});
+    }
+  }
+
+  bool has(const TopoDS_Face& face) const
+  {
+    if (this->Everywhere.count(face.TShape().get()) > 0)
+    {
+      return true;
+    }
+    const auto found = this->Places.find(face.TShape().get());
+    return found != this->Places.end() &&
+      std::any_of(found->second.begin(), found->second.end(),
+        [&](const TopLoc_Location& place) { return isIn(face.Location(), place); });
+  }
+
+private:
+  /// Where a component of an assembly is: nothing for what is no component.
+  struct Place
+  {
+    TopoDS_Shape component;
+    TopLoc_Location assembly;
+  };
+
+  Place placeOf(const Handle(StepBasic_ProductDefinitionRelationship) & usage) const
+  {
+    const auto higher = Handle(StepRepr_SpecifiedHigherUsageOccurrence)::DownCast(usage);
+    if (higher.IsNull())
+    {
+      return { shapeOf(this->Reader, usage), {} };
+    }
+    const Place upper = this->placeOf(higher->UpperUsage());
+    Place place = this->placeOf(higher->NextUsage());
+    place.assembly = upper.assembly * upper.component.Location();
+    return place;
+  }
+
+  /// The component that alone a style means: the context of its style is the placement of one.
+  Place placeOf(const Handle(StepVisual_StyledItem) & styled) const
+  {
+    const bool overrides = styled->IsKind(STANDARD_TYPE(StepVisual_OverRidingStyledItem));
+    for (int n = 1; overrides && n <= styled->NbStyles(); ++n)
+    {
+      const auto style = Handle(StepVisual_PresentationStyleByContext)::DownCast(styled->StylesValue(n));
+      const Handle(StepRepr_Representation) context =
+        style.IsNull() ? Handle(StepRepr_Representation)() : style->StyleContext().Representation();
+      if (context.IsNull())
+      {
+        continue;
+      }
+      for (Interface_EntityIterator user = this->Graph.Sharings(context); user.More(); user.Next())
+      {
+        const auto definition = Handle(StepShape_ShapeDefinitionRepresentation)::DownCast(user.Value());
+        const Handle(StepRepr_PropertyDefinition) property =
+          definition.IsNull() ? Handle(StepRepr_PropertyDefinition)() : definition->Definition().PropertyDefinition();
+        const Handle(StepBasic_ProductDefinitionRelationship) usage = property.IsNull()
+          ? Handle(StepBasic_ProductDefinitionRelationship)()
+          : property->Definition().ProductDefinitionRelationship();
+        if (!usage.IsNull())
+        {
+          return this->placeOf(usage);
+        }
+      }
+    }
+    return {};
+  }
+
+  void add(const Handle(Standard_Transient) & entity, const Place& place)
+  {
+    const TopoDS_Shape shape = shapeOf(this->Reader, entity);
+    std::unordered_set<const TopoDS_TShape*> faces;
     for (TopExp_Explorer at(shape, TopAbs_FACE); !shape.IsNull() && at.More(); at.Next())
     {
-      hidden.insert(at.Current().TShape().get());
+      faces.insert(at.Current().TShape().get());
     }
-  };
-  const Handle(StepVisual_StyledItem) styled = item.StyledItem();
-  if (!styled.IsNull())
-  {
-    add(styled->Item());
+    if (place.component.IsNull())
+    {
+      this->Everywhere.insert(faces.begin(), faces.end());
+      return;
+    }
+    for (TopExp_Explorer at(place.component, TopAbs_FACE); at.More(); at.Next())
+    {
+      const TopoDS_TShape* face = at.Current().TShape().get();
+      if (faces.count(face) > 0)
+      {
+        this->Places[face].push_back(place.assembly * at.Current().Location());
+      }
+    }
   }
-  const Handle(StepVisual_PresentationLayerAssignment) layer = item.PresentationLayerAssignment();
-  for (int k = 1; !layer.IsNull() && k <= layer->NbAssignedItems(); ++k)
-  {
-    add(layer->AssignedItemsValue(k).Value());
-  }
-}
+
+  STEPControl_Reader& Reader;
+  const Interface_Graph Graph;
+  std::unordered_set<const TopoDS_TShape*> Everywhere;
+  /// The locations with which those of hidden faces begin.
+  std::map<const TopoDS_TShape*, std::vector<TopLoc_Location>> Places;
+};
 
 /// Shapes of all roots but the hidden ones, and the roots of which nothing came.
 /// @param dropped counts of what is left out
@@ -348,7 +473,7 @@ TopoDS_Shape transfer(XSControl_Reader& reader, std::map<std::string, int>& drop
 /// Faces that came of an entity.
 int faceCount(XSControl_Reader& reader, const Handle(Standard_Transient) & entity)
 {
-  return faceCount(TransferBRep::ShapeResult(reader.WS()->TransferReader()->TransientProcess(), entity));
+  return faceCount(shapeOf(reader, entity));
 }
 
 /// @throws Error naming a surface of which no face came, and that is no part of another one: OpenCASCADE leaves it out
@@ -457,7 +582,6 @@ Shape readSTEP(const std::string& opened, const std::string& fileName, const STE
   Shape result;
   const auto step = std::make_shared<STEPControl_Reader>();
   std::map<Standard_Transient*, std::string> layers;
-  HiddenFaces hidden;
   for (const auto& [keyword, count] : entities.broken)
   {
     result.dropped[keyword + " that refers to a missing entity"] += count;
@@ -480,6 +604,7 @@ Shape readSTEP(const std::string& opened, const std::string& fileName, const STE
   result.shape = transfer(*step, result.dropped);
   countLostFaces(*step, result.dropped);
   const Handle(Interface_InterfaceModel) model = step->Model();
+  const auto hidden = std::make_shared<HiddenFaces>(*step);
   for (int i = 1; i <= model->NbEntities(); ++i)
   {
     const auto assignment = Handle(StepVisual_PresentationLayerAssignment)::DownCast(model->Value(i));
@@ -490,10 +615,10 @@ Shape readSTEP(const std::string& opened, const std::string& fileName, const STE
     const auto invisible = Handle(StepVisual_Invisibility)::DownCast(model->Value(i));
     for (int k = 1; !invisible.IsNull() && k <= invisible->NbInvisibleItems(); ++k)
     {
-      addInvisible(*step, invisible->InvisibleItemsValue(k), hidden);
+      hidden->add(invisible->InvisibleItemsValue(k));
     }
   }
-  result.hidden = [hidden](const TopoDS_Face& face) { return hidden.count(face.TShape().get()) > 0; };
+  result.hidden = [step, hidden](const TopoDS_Face& face) { return hidden->has(face); };
   const auto entity = [step](const TopoDS_Face& face) {
     return step->WS()->TransferReader()->EntityFromShapeResult(face, AnyResult);
   };

@@ -773,32 +773,79 @@ TEST(NURBSSurfaceReader, TextsOfAnyProgram)
   EXPECT_NE(refused(folder / "form.igs").find("compressed form"), std::string::npos);
 }
 
+namespace
+{
+
+/// A part that is turned and shifted.
+TopoDS_Shape placed(const TopoDS_Shape& shape, double turn, const gp_Vec& shift)
+{
+  gp_Trsf rotation;
+  rotation.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(1, 2, 3)), turn);
+  gp_Trsf translation;
+  translation.SetTranslation(shift);
+  return shape.Moved(TopLoc_Location(translation * rotation));
+}
+
+TopoDS_Shape compound(const std::vector<TopoDS_Shape>& shapes)
+{
+  BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  for (const TopoDS_Shape& shape : shapes)
+  {
+    builder.Add(all, shape);
+  }
+  return all;
+}
+
+/// Two instances of a torus, one of them in an assembly within the assembly, and a box.
+struct Assembly
+{
+  TopoDS_Shape torus = BRepPrimAPI_MakeTorus(3.0, 1.0).Shape();
+  TopoDS_Shape box = BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape();
+  TopoDS_Shape outerTorus = placed(this->torus, 1.0, gp_Vec(0, 20, 0));
+  TopoDS_Shape innerTorus = placed(this->torus, 0.5, gp_Vec(10, 0, 0));
+
+  static TopoDS_Shape inside(const TopoDS_Shape& shape) { return placed(shape, -0.7, gp_Vec(0, 0, 30)); }
+  TopoDS_Shape all() const { return compound({ this->outerTorus, inside(compound({ this->innerTorus, this->box })) }); }
+};
+
+void writeAssembly(const TopoDS_Shape& shape, const std::string& fileName, const char* unit = "MM")
+{
+  Interface_Static::SetIVal("write.step.assembly", 1);
+  writeShape(shape, fileName, unit);
+  Interface_Static::SetIVal("write.step.assembly", 0);
+}
+
+/// The numbers of all STEP entities that begin so.
+std::vector<std::string> entitiesOf(const std::string& text, const std::string& begin)
+{
+  std::vector<std::string> numbers;
+  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1))
+  {
+    const std::size_t sharp = text.rfind('#', at);
+    numbers.push_back(text.substr(sharp, text.find_first_of(" =", sharp) - sharp));
+  }
+  return numbers;
+}
+
+/// The text with more entities.
+std::string withEntities(const std::string& text, const std::string& entities)
+{
+  const std::size_t end = text.rfind("ENDSEC;");
+  return text.substr(0, end) + entities + text.substr(end);
+}
+
+} // namespace
+
 TEST(NURBSSurfaceReader, AssembliesAreInTheirPlaces)
 {
   const TemporaryFolder folder;
-  // Two instances of a part, one of them in an assembly within the assembly, and another part.
-  const TopoDS_Shape part = BRepPrimAPI_MakeTorus(3.0, 1.0).Shape();
-  const auto placed = [&](const TopoDS_Shape& shape, double turn, const gp_Vec& shift) {
-    gp_Trsf rotation;
-    rotation.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(1, 2, 3)), turn);
-    gp_Trsf translation;
-    translation.SetTranslation(shift);
-    return shape.Moved(TopLoc_Location(translation * rotation));
-  };
-  BRep_Builder builder;
-  TopoDS_Compound inner;
-  builder.MakeCompound(inner);
-  builder.Add(inner, placed(part, 0.5, gp_Vec(10, 0, 0)));
-  builder.Add(inner, BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape());
-  TopoDS_Compound all;
-  builder.MakeCompound(all);
-  builder.Add(all, placed(part, 1.0, gp_Vec(0, 20, 0)));
-  builder.Add(all, placed(inner, -0.7, gp_Vec(0, 0, 30)));
-  Interface_Static::SetIVal("write.step.assembly", 1);
+  const TopoDS_Shape all = Assembly().all();
   for (const char* unit : { "MM", "INCH", "M" })
   {
     SCOPED_TRACE(unit);
-    writeShape(all, folder / "assembly.step", unit);
+    writeAssembly(all, folder / "assembly.step", unit);
     Reading reading;
     reading.reader->SetLengthUnit(vtkNURBSSurfaceReader::MILLIMETRE);
     reading.read(folder / "assembly.step");
@@ -807,7 +854,75 @@ TEST(NURBSSurfaceReader, AssembliesAreInTheirPlaces)
     EXPECT_EQ(reading.reader->GetNumberOfPatches(), 1 + 1 + 6);
     compareClosestPoints(reading.patches(), all, 40);
   }
-  Interface_Static::SetIVal("write.step.assembly", 0);
+}
+
+// Parts, faces, layers, and single places of a part that an assembly hides.
+TEST(NURBSSurfaceReader, HiddenPartsOfSTEPAreLeftOut)
+{
+  const TemporaryFolder folder;
+  const Assembly assembly;
+  writeAssembly(assembly.all(), folder / "all.step");
+  const std::string text = readFile(folder / "all.step");
+  const std::string style = "#9001=SURFACE_STYLE_USAGE(.BOTH.,#9002);#9002=SURFACE_SIDE_STYLE('',());"
+                            "#9003=PRESENTATION_STYLE_ASSIGNMENT((#9001));";
+  const auto expectLeft = [&](const std::string& entities, const TopoDS_Shape& left) {
+    SCOPED_TRACE(entities);
+    writeFile(folder / "hidden.step", withEntities(text, style + entities + "\n"));
+    Reading reading;
+    reading.read(folder / "hidden.step");
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    TopTools_IndexedMapOfShape faces;
+    TopExp::MapShapes(left, TopAbs_FACE, faces);
+    ASSERT_EQ(reading.reader->GetNumberOfPatches(), faces.Extent());
+    const int hidden = 8 - faces.Extent();
+    EXPECT_EQ(std::string(reading.reader->GetNotRead()),
+      hidden == 0 ? "" : std::to_string(hidden) + " hidden (blanked) surface");
+    compareClosestPoints(reading.patches(), left, 10);
+  };
+  const std::vector<std::string> solids = entitiesOf(text, "MANIFOLD_SOLID_BREP(");
+  const std::vector<std::string> faces = entitiesOf(text, "ADVANCED_FACE(");
+  ASSERT_EQ(solids.size(), 2u);
+  ASSERT_EQ(faces.size(), 7u);
+  const bool torusFirst = text.find("TOROIDAL_SURFACE") < text.find("PLANE(");
+  const std::string torus = solids[torusFirst ? 0 : 1];
+  const std::string torusFace = torusFirst ? faces.front() : faces.back();
+  const TopoDS_Shape noTorus = Assembly::inside(assembly.box);
+  for (const std::string& item : { torus, torusFace })
+  {
+    expectLeft("#9004=STYLED_ITEM('',(#9003)," + item + ");#9005=INVISIBILITY((#9004));", noTorus);
+  }
+  expectLeft("#9004=PRESENTATION_LAYER_ASSIGNMENT('off','',(" + torus + "));#9005=INVISIBILITY((#9004));", noTorus);
+
+  const std::string axes = entitiesOf(text, "AXIS2_PLACEMENT_3D(").at(0);
+  const std::string context = entitiesOf(text, "GEOMETRIC_REPRESENTATION_CONTEXT(3)").at(0);
+  // A style in the context of a placement hides what is placed there alone.
+  const auto hiddenAt = [&](const std::string& item, const std::string& placement) {
+    return "#9004=STYLED_ITEM('',(#9003)," + item + ");#9005=INVISIBILITY((#9006));" +
+      "#9006=OVER_RIDING_STYLED_ITEM('',(#9007)," + item + ",#9004);" +
+      "#9007=PRESENTATION_STYLE_BY_CONTEXT((#9001),#9008);#9008=SHAPE_REPRESENTATION('',(" + axes + ")," + context +
+      ");#9009=SHAPE_DEFINITION_REPRESENTATION(" + placement + ",#9008);";
+  };
+  const TopoDS_Shape noOuter = Assembly::inside(compound({ assembly.innerTorus, assembly.box }));
+  const TopoDS_Shape noInner = compound({ assembly.outerTorus, noTorus });
+  const std::vector<std::string> placements = entitiesOf(text, "PRODUCT_DEFINITION_SHAPE('Placement'");
+  ASSERT_EQ(placements.size(), 4u);
+  int without[3] = { 0, 0, 0 };
+  for (const std::string& placement : placements)
+  {
+    writeFile(folder / "hidden.step", withEntities(text, style + hiddenAt(torus, placement)));
+    Reading reading;
+    reading.read(folder / "hidden.step");
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    const bool none = reading.reader->GetNumberOfPatches() == 8;
+    const Vec3 center(0, 20, 0);
+    const bool outer = BodySurface(reading.patches()).closestPoint(center).distance < 5.0;
+    ++without[none ? 0 : outer ? 1 : 2];
+    expectLeft(hiddenAt(torus, placement), none ? assembly.all() : outer ? noInner : noOuter);
+  }
+  // The box has no torus; the torus outside; the assembly within the assembly, and the torus in it.
+  EXPECT_EQ(without[0], 1);
+  EXPECT_EQ(without[2], 1);
+  EXPECT_EQ(without[1], 2);
 }
 
 TEST(NURBSSurfaceReader, WhatIsNoSurfaceIsCounted)
