@@ -300,6 +300,15 @@ TopoDS_Shape shapeOf(XSControl_Reader& reader, const Handle(Standard_Transient) 
                          : TransferBRep::ShapeResult(reader.WS()->TransferReader()->TransientProcess(), entity);
 }
 
+/// Adds the faces of a shape, wherever they are placed.
+void addFaces(const TopoDS_Shape& shape, std::unordered_set<const TopoDS_TShape*>& faces)
+{
+  for (TopExp_Explorer at(shape, TopAbs_FACE); !shape.IsNull() && at.More(); at.Next())
+  {
+    faces.insert(at.Current().TShape().get());
+  }
+}
+
 /// Whether a location is `place` in an assembly that may be anywhere. Locations begin with what is done first.
 bool isIn(TopLoc_Location location, TopLoc_Location place)
 {
@@ -405,12 +414,8 @@ private:
 
   void add(const Handle(Standard_Transient) & entity, const Place& place)
   {
-    const TopoDS_Shape shape = shapeOf(this->Reader, entity);
     std::unordered_set<const TopoDS_TShape*> faces;
-    for (TopExp_Explorer at(shape, TopAbs_FACE); !shape.IsNull() && at.More(); at.Next())
-    {
-      faces.insert(at.Current().TShape().get());
-    }
+    addFaces(shapeOf(this->Reader, entity), faces);
     if (place.component.IsNull())
     {
       this->Everywhere.insert(faces.begin(), faces.end());
@@ -431,6 +436,64 @@ private:
   std::unordered_set<const TopoDS_TShape*> Everywhere;
   /// The locations with which those of hidden faces begin.
   std::map<const TopoDS_TShape*, std::vector<TopLoc_Location>> Places;
+};
+
+/// Entities that an IGES file hides (blanks), by themselves or with all that they are part of.
+class BlankedEntities
+{
+public:
+  explicit BlankedEntities(const Handle(IGESData_IGESModel) & model)
+    : Graph(model, Standard_False)
+  {
+  }
+
+  bool has(const Handle(IGESData_IGESEntity) & entity)
+  {
+    const auto [known, isNew] = this->Known.try_emplace(entity.get(), false);
+    if (!isNew)
+    {
+      return known->second;
+    }
+    bool blanked = this->isBlanked(*entity);
+    if (!blanked)
+    {
+      int wholes = 0;
+      int blankedWholes = 0;
+      for (Interface_EntityIterator user = this->Graph.Sharings(entity); user.More(); user.Next())
+      {
+        const Handle(IGESData_IGESEntity) whole = Handle(IGESData_IGESEntity)::DownCast(user.Value());
+        if (!whole.IsNull() && isWhole(*whole))
+        {
+          ++wholes;
+          blankedWholes += this->has(whole);
+        }
+      }
+      blanked = wholes > 0 && blankedWholes == wholes;
+    }
+    this->Known[entity.get()] = blanked;
+    return blanked;
+  }
+
+private:
+  /// Faces, shells, solids, assemblies and groups.
+  static bool isWhole(const IGESData_IGESEntity& entity)
+  {
+    const int type = entity.TypeNumber();
+    const int form = entity.FormNumber();
+    const bool group = type == 402 && (form == 1 || form == 7 || form == 14 || form == 15);
+    return group || type == 184 || type == 186 || type == 308 || type == 408 || type == 430 || type == 510 ||
+      type == 514;
+  }
+
+  /// The untrimmed surface of a trimmed one is often hidden: the trimmed one counts.
+  static bool isBlanked(const IGESData_IGESEntity& entity)
+  {
+    const int status = entity.SubordinateStatus();
+    return entity.BlankStatus() == 1 && (status == 0 || status == 2 || isWhole(entity));
+  }
+
+  const Interface_Graph Graph;
+  std::map<const Standard_Transient*, bool> Known;
 };
 
 /// Shapes of all roots but the hidden ones, and the roots of which nothing came.
@@ -568,12 +631,17 @@ Shape readIGES(const std::string& opened, const std::string& fileName, OpenCASCA
     const Handle(IGESData_IGESEntity) found = entity(face);
     return found.IsNull() || found->Level() <= 0 ? std::string() : std::to_string(found->Level());
   };
-  result.hidden = [entity](const TopoDS_Face& face) {
-    // The untrimmed surface of a trimmed one is often hidden: the trimmed one counts.
-    const Handle(IGESData_IGESEntity) found = entity(face);
-    return !found.IsNull() && found->BlankStatus() == 1 &&
-      (found->SubordinateStatus() == 0 || found->SubordinateStatus() == 2);
-  };
+  BlankedEntities blanked(iges->IGESModel());
+  std::unordered_set<const TopoDS_TShape*> hidden;
+  for (int e = 1; e <= iges->IGESModel()->NbEntities(); ++e)
+  {
+    const auto blank = Handle(IGESData_IGESEntity)::DownCast(iges->IGESModel()->Value(e));
+    if (!blank.IsNull() && isIGESSurface(blank->TypeNumber()) && isIGESShape(blank->TypeNumber()) && blanked.has(blank))
+    {
+      addFaces(shapeOf(*iges, blank), hidden);
+    }
+  }
+  result.hidden = [hidden](const TopoDS_Face& face) { return hidden.count(face.TShape().get()) > 0; };
   return result;
 }
 

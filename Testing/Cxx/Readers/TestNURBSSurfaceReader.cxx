@@ -925,6 +925,36 @@ TEST(NURBSSurfaceReader, HiddenPartsOfSTEPAreLeftOut)
   EXPECT_EQ(without[1], 2);
 }
 
+// Solids, shells and faces, also in a group that is not hidden.
+TEST(NURBSSurfaceReader, HiddenPartsOfIGESAreLeftOut)
+{
+  const TemporaryFolder folder;
+  const TopoDS_Shape boxes[2] = { BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape(),
+    BRepPrimAPI_MakeBox(gp_Pnt(5, 0, 0), 1.0, 1.0, 1.0).Shape() };
+  writeShape(compound({ boxes[0], boxes[1] }), folder / "all.igs");
+  const std::string text = readFile(folder / "all.igs");
+  for (const auto& [type, hidden] : { std::pair("186", 6), std::pair("514", 6), std::pair("510", 1) })
+  {
+    SCOPED_TRACE(type);
+    // The first card of the first entity of the type; its blank status.
+    std::string changed = text;
+    const std::size_t card = text.find(std::string("\n     ") + type) + 1;
+    ASSERT_NE(card, std::string::npos + 1);
+    changed.replace(card + 64, 2, "01");
+    writeFile(folder / "hidden.igs", changed);
+    Reading reading;
+    reading.read(folder / "hidden.igs");
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0];
+    EXPECT_EQ(reading.reader->GetNumberOfPatches(), 12 - hidden);
+    EXPECT_EQ(std::string(reading.reader->GetNotRead()), std::to_string(hidden) + " hidden (blanked) surface");
+    if (hidden == 6)
+    {
+      const bool first = BodySurface(reading.patches()).closestPoint({ 0, 0, 0 }).distance < 1.0;
+      compareClosestPoints(reading.patches(), boxes[first ? 0 : 1], 10);
+    }
+  }
+}
+
 TEST(NURBSSurfaceReader, WhatIsNoSurfaceIsCounted)
 {
   const TemporaryFolder folder;
