@@ -49,6 +49,40 @@ struct Node
   Index count = 0;
 };
 
+/// Whether a part of a surface or, without `v`, of an edge may hold a foot point within `limit` of q. The part has its
+/// centre at r + q and lies in a ball of that radius around it; its points are r + q + a u + b v up to half of the sum
+/// of the spreads, a and b at most 1/2, and its tangents u and v up to their spreads.
+bool mayHoldFootPoint(
+  const Vec3& r, double radius, const Vec3& u, double spreadU, const Vec3& v, double spreadV, double limit)
+{
+  const double distance = r.norm(), bend = 0.5 * (spreadU + spreadV), product = std::abs(u.dot(v));
+  const double farthest = std::min(distance + radius, limit);
+  // (x - q) . x_u has no zero if its value in the middle exceeds what the part's extent, with a margin for rounding,
+  // and cone can take from it.
+  const auto never = [&](const Vec3& tangent, double spread) {
+    const double length = tangent.norm();
+    const double reach = std::min(radius * length, 0.51 * (length * length + product) + bend * length);
+    return std::abs(r.dot(tangent)) > reach + farthest * spread;
+  };
+  return distance - radius <= limit && !never(u, spreadU) && !never(v, spreadV);
+}
+
+bool mayHoldFootPoint(const SurfaceCell& cell, const Vec3& query, double limit)
+{
+  return cell.u0 == cell.u1 ||
+    mayHoldFootPoint(cell.center - query, cell.radius, cell.tangentU, cell.spreadU, cell.tangentV, cell.spreadV, limit);
+}
+
+/// Near enough |x_uu|, at most about twice the change of the tangent from the middle of the cell, cannot matter. But on
+/// the hollow side, beyond the centres of curvature, the distance may have several minima on a cell.
+bool mayHaveMoreMinima(const SurfaceCell& cell, const Vec3& query)
+{
+  const double reach = (cell.center - query).norm() + cell.radius;
+  return !(6.0 * reach * cell.spreadU < cell.tangentU.squaredNorm() &&
+    6.0 * reach * cell.spreadV < cell.tangentV.squaredNorm() &&
+    6.0 * reach * std::max(cell.spreadU, cell.spreadV) < cell.tangentU.norm() * cell.tangentV.norm());
+}
+
 double boxDistance(const Box3& box, const Vec3& query)
 {
   return (query - query.cwiseMax(box.min()).cwiseMin(box.max())).norm();
@@ -72,16 +106,18 @@ struct BodySurface::Locator
 
   void build(const Execution& run);
   Index buildTree(std::vector<Node>& tree, std::vector<Index>& order, Index begin, Index end) const;
-  /// Calls body(cell) for the cells in the order of their least distance until that exceeds *limit.
+  /// Calls body(cell) for the cells in the order of their least distance until that exceeds `limit`.
   template <typename Body>
   void visit(const std::vector<Node>& tree, const std::vector<Index>& order, const Vec3& query, const double& limit,
     const Body& body) const;
-  bool mayHoldFootPoint(const SurfaceCell& cell, const Vec3& query) const;
-  void searchPiece(const SurfaceCell& cell, const Box2& range, int halvings, const Vec3& query, double limit,
-    std::vector<Candidate>& found) const;
+  /// Foot points within `limit` in a part of a cell where one descent may miss some. `submit` lowers the limit.
+  template <typename Submit>
+  void searchPart(const SurfaceCell& cell, const Box2& range, int halvings, const Vec3& query, const double& limit,
+    const Submit& submit) const;
   /// Foot point near a part of a cell, if the distance has a minimum there.
   bool descend(const SurfaceCell& cell, const Box2& range, const Vec3& query, Candidate& found) const;
-  void searchEdge(const SurfaceCell& cell, const Vec3& query, std::vector<Candidate>& found) const;
+  /// Foot point or end of the part of an edge, unless it is a kink's and trimmed away.
+  bool searchEdge(const SurfaceCell& cell, const Vec3& query, Candidate& found) const;
   void polish(const Vec3& query, Candidate& candidate) const;
   /// All candidates that are closer than the least distance plus `tolerance`.
   std::vector<Candidate> candidates(const Vec3& query, double tolerance, bool edgesOnly) const;
@@ -235,7 +271,10 @@ void BodySurface::Locator::visit(const std::vector<Node>& tree, const std::vecto
     heap.pop_back();
     if (id % 2 == 1)
     {
-      body(this->cells[id / 2]);
+      if (mayHoldFootPoint(this->cells[id / 2], query, limit))
+      {
+        body(this->cells[id / 2]);
+      }
       continue;
     }
     const Node& node = tree[id / 2];
@@ -243,10 +282,9 @@ void BodySurface::Locator::visit(const std::vector<Node>& tree, const std::vecto
     {
       for (Index i = node.first; i < node.first + node.count; ++i)
       {
-        const SurfaceCell& cell = this->cells[order[i]];
-        if (this->mayHoldFootPoint(cell, query))
+        if (mayHoldFootPoint(this->cells[order[i]], query, limit))
         {
-          push(cell.box, 2 * order[i] + 1);
+          push(this->cells[order[i]].box, 2 * order[i] + 1);
         }
       }
     }
@@ -258,82 +296,49 @@ void BodySurface::Locator::visit(const std::vector<Node>& tree, const std::vecto
   }
 }
 
-bool BodySurface::Locator::mayHoldFootPoint(const SurfaceCell& cell, const Vec3& query) const
-{
-  if (cell.u0 == cell.u1)
-  {
-    return true;
-  }
-  // (x - query) . x_u has no zero if its value at the middle exceeds what ball and cone can take from it.
-  const Vec3 r = cell.center - query;
-  const double length = r.norm();
-  const auto never = [&](const Vec3& tangent, double spread) {
-    return std::abs(r.dot(tangent)) > length * spread + cell.radius * (tangent.norm() + spread);
-  };
-  return !never(cell.tangentU, cell.spreadU) && (cell.piece < 0 || !never(cell.tangentV, cell.spreadV));
-}
-
-void BodySurface::Locator::searchPiece(const SurfaceCell& cell, const Box2& range, int halvings, const Vec3& query,
-  double limit, std::vector<Candidate>& found) const
+template <typename Submit>
+void BodySurface::Locator::searchPart(const SurfaceCell& cell, const Box2& range, int halvings, const Vec3& query,
+  const double& limit, const Submit& submit) const
 {
   const NURBSSurface& surface = this->pieces[cell.piece].surface;
-  const Vec2 middle = range.center();
-  // Near enough |x_uu|, at most about twice the change of the tangent from the middle of the cell, cannot matter. But
-  // on the hollow side, beyond the centres of curvature, the distance may have several minima on a cell.
-  const double reach = (cell.center - query).norm() + cell.radius;
-  const bool near = 6.0 * reach * cell.spreadU < cell.tangentU.squaredNorm() &&
-    6.0 * reach * cell.spreadV < cell.tangentV.squaredNorm() &&
-    6.0 * reach * std::max(cell.spreadU, cell.spreadV) < cell.tangentU.norm() * cell.tangentV.norm();
-  if (!near)
+  const Vec2 middle = range.center(), extent = range.diagonal();
+  const Vec2& low = range.min();
+  const Vec2& high = range.max();
+  const SurfaceDerivatives center = evaluate(surface, middle[0], middle[1]);
+  // Beside the middle of the cell, not the part, tangents vary by twice as much.
+  const double part = std::ldexp(1.0, halvings - HollowHalvings), spread = 2.0 * part * part;
+  if (!mayHoldFootPoint(center.x - query, 1.25 * part * cell.radius, extent[0] * center.u, spread * cell.spreadU,
+        extent[1] * center.v, spread * cell.spreadV, limit))
   {
-    const SurfaceDerivatives center = evaluate(surface, middle[0], middle[1]);
-    if (halvings < HollowHalvings)
-    {
-      // The tests that the whole cell has passed, for its part.
-      const double part = std::ldexp(1.0, halvings - HollowHalvings);
-      const Vec3 r = center.x - query;
-      const double length = r.norm();
-      const double radius = 1.25 * part * cell.radius;
-      const auto never = [&](const Vec3& tangent, double spread) {
-        return std::abs(r.dot(tangent)) > length * spread + radius * (tangent.norm() + spread);
-      };
-      const Vec2 extent = range.diagonal();
-      if (length - radius > limit || never(extent[0] * center.u, 2.0 * part * part * cell.spreadU) ||
-        never(extent[1] * center.v, 2.0 * part * part * cell.spreadV))
-      {
-        return;
-      }
-    }
-    const auto convex = [&](const SurfaceDerivatives& at) {
-      const Vec3 r = at.x - query;
-      const double E = at.u.squaredNorm();
-      const double G = at.v.squaredNorm();
-      const double F = at.u.dot(at.v);
-      const double huu = E + r.dot(at.uu);
-      const double huv = F + r.dot(at.uv);
-      const double hvv = G + r.dot(at.vv);
-      return huu > 0.5 * E && hvv > 0.5 * G && huu * hvv - huv * huv > 0.25 * (E * G - F * F);
-    };
-    const auto convexAt = [&](double u, double v) { return convex(evaluate(surface, u, v)); };
-    const Vec2& low = range.min();
-    const Vec2& high = range.max();
-    if (halvings > 0 &&
-      !(convex(center) && convexAt(low[0], low[1]) && convexAt(high[0], high[1]) && convexAt(low[0], high[1]) &&
-        convexAt(high[0], low[1])))
-    {
-      for (int quarter = 0; quarter < 4; ++quarter)
-      {
-        const Vec2 corner(quarter % 2 == 0 ? low[0] : high[0], quarter / 2 == 0 ? low[1] : high[1]);
-        this->searchPiece(
-          cell, Box2(corner.cwiseMin(middle), corner.cwiseMax(middle)), halvings - 1, query, limit, found);
-      }
-      return;
-    }
+    return;
   }
-  Candidate candidate;
-  if (this->descend(cell, range, query, candidate))
+  const auto convex = [&](const SurfaceDerivatives& at) {
+    const Vec3 r = at.x - query;
+    const double E = at.u.squaredNorm();
+    const double G = at.v.squaredNorm();
+    const double F = at.u.dot(at.v);
+    const double huu = E + r.dot(at.uu);
+    const double huv = F + r.dot(at.uv);
+    const double hvv = G + r.dot(at.vv);
+    return huu > 0.5 * E && hvv > 0.5 * G && huu * hvv - huv * huv > 0.25 * (E * G - F * F);
+  };
+  const auto convexAt = [&](double u, double v) { return convex(evaluate(surface, u, v)); };
+  if (halvings == 0 ||
+    (convex(center) && convexAt(low[0], low[1]) && convexAt(high[0], high[1]) && convexAt(low[0], high[1]) &&
+      convexAt(high[0], low[1])))
   {
-    found.push_back(candidate);
+    Candidate candidate;
+    // The descent from the middle of the whole cell was made.
+    if (halvings < HollowHalvings && this->descend(cell, range, query, candidate))
+    {
+      submit(candidate);
+    }
+    return;
+  }
+  for (int quarter = 0; quarter < 4; ++quarter)
+  {
+    const Vec2 corner(quarter % 2 == 0 ? low[0] : high[0], quarter / 2 == 0 ? low[1] : high[1]);
+    this->searchPart(cell, Box2(corner.cwiseMin(middle), corner.cwiseMax(middle)), halvings - 1, query, limit, submit);
   }
 }
 
@@ -351,6 +356,8 @@ bool BodySurface::Locator::descend(
   Vec3 r = at.x - query;
   double value = r.squaredNorm();
   int atBorder = 0;
+  // Of a point.
+  const double rounding = 1e-15 * (this->size + query.cwiseAbs().maxCoeff());
   for (int iteration = 0; iteration < 50; ++iteration)
   {
     Vec2 gradient(r.dot(at.u), r.dot(at.v));
@@ -406,6 +413,7 @@ bool BodySurface::Locator::descend(
       break;
     }
     // Descent: halved until the distance does not grow by more than rounding.
+    const double growth = 1e-14 * value + rounding * (2.0 * std::sqrt(value) + rounding);
     bool moved = false;
     for (int halving = 0; halving < 12; ++halving, step *= 0.5)
     {
@@ -417,7 +425,7 @@ bool BodySurface::Locator::descend(
       const SurfaceDerivatives there = evaluate(surface, next[0], next[1]);
       const Vec3 nextR = there.x - query;
       const double nextValue = nextR.squaredNorm();
-      if (nextValue < value || (halving == 0 && nextValue <= value * (1.0 + 1e-14)))
+      if (nextValue < value || (halving == 0 && nextValue <= value + growth))
       {
         moved = nextValue < value;
         uv = next;
@@ -457,24 +465,21 @@ bool BodySurface::Locator::descend(
   return true;
 }
 
-void BodySurface::Locator::searchEdge(const SurfaceCell& cell, const Vec3& query, std::vector<Candidate>& found) const
+bool BodySurface::Locator::searchEdge(const SurfaceCell& cell, const Vec3& query, Candidate& found) const
 {
   const SurfaceEdge& edge = this->edges[cell.edge];
   const NURBSSurface& surface = this->patches[edge.patch].surface;
-  const auto submit = [&](const CurvePoint& at) {
-    if (!edge.kink || this->regions[edge.patch].contains(at.uv))
-    {
-      const Vec2 uv(std::min(std::max(at.uv[0], surface.first(0)), surface.last(0)),
-        std::min(std::max(at.uv[1], surface.first(1)), surface.last(1)));
-      found.push_back({ (at.x - query).norm(), edge.patch, uv[0], uv[1], -1, true, at.x });
-    }
+  const auto result = [&](const CurvePoint& at) {
+    const Vec2 uv(std::min(std::max(at.uv[0], surface.first(0)), surface.last(0)),
+      std::min(std::max(at.uv[1], surface.first(1)), surface.last(1)));
+    found = { (at.x - query).norm(), edge.patch, uv[0], uv[1], -1, true, at.x };
+    return !edge.kink || this->regions[edge.patch].contains(at.uv);
   };
   double low = cell.u0;
   double high = cell.u1;
   if (low == high)
   {
-    submit(evaluateEdge(surface, edge.curve, low));
-    return;
+    return result(evaluateEdge(surface, edge.curve, low));
   }
   // On a knot derivatives are those to its right.
   high -= EndShift * (high - low);
@@ -482,13 +487,11 @@ void BodySurface::Locator::searchEdge(const SurfaceCell& cell, const Vec3& query
   const CurvePoint atHigh = evaluateEdge(surface, edge.curve, high);
   if (!((atLow.x - query).dot(atLow.d1) < 0.0))
   {
-    submit(atLow);
-    return;
+    return result(atLow);
   }
   if (!((atHigh.x - query).dot(atHigh.d1) > 0.0))
   {
-    submit(atHigh);
-    return;
+    return result(atHigh);
   }
   // The derivative of the distance changes its sign from - to +: Newton inside the shrinking bracket, else halving.
   double t = 0.5 * (low + high);
@@ -520,7 +523,7 @@ void BodySurface::Locator::searchEdge(const SurfaceCell& cell, const Vec3& query
       break;
     }
   }
-  submit(at);
+  return result(at);
 }
 
 void BodySurface::Locator::polish(const Vec3& query, Candidate& candidate) const
@@ -570,7 +573,8 @@ void BodySurface::Locator::polish(const Vec3& query, Candidate& candidate) const
 std::vector<Candidate> BodySurface::Locator::candidates(const Vec3& query, double tolerance, bool edgesOnly) const
 {
   std::vector<Candidate> found;
-  std::vector<Candidate> ofCell;
+  // Cells where the distance may have more minima than the one found, if any.
+  std::vector<const SurfaceCell*> left;
   double limit = std::numeric_limits<double>::infinity();
   const auto submit = [&](const Candidate& candidate) {
     if (candidate.distance <= limit)
@@ -581,15 +585,23 @@ std::vector<Candidate> BodySurface::Locator::candidates(const Vec3& query, doubl
   };
   this->visit(edgesOnly ? this->edgeNodes : this->nodes, edgesOnly ? this->edgeCellOrder : this->cellOrder, query,
     limit, [&](const SurfaceCell& cell) {
-      ofCell.clear();
-      cell.piece < 0 ? this->searchEdge(cell, query, ofCell)
-                     : this->searchPiece(cell, Box2(Vec2(cell.u0, cell.v0), Vec2(cell.u1, cell.v1)), HollowHalvings,
-                         query, limit, ofCell);
-      for (const Candidate& candidate : ofCell)
+      Candidate candidate;
+      if (cell.piece < 0 ? this->searchEdge(cell, query, candidate)
+                         : this->descend(cell, Box2(Vec2(cell.u0, cell.v0), Vec2(cell.u1, cell.v1)), query, candidate))
       {
         submit(candidate);
       }
+      if (cell.piece >= 0 && mayHaveMoreMinima(cell, query))
+      {
+        left.push_back(&cell);
+      }
     });
+  // Now that little is near enough.
+  for (const SurfaceCell* cell : left)
+  {
+    this->searchPart(
+      *cell, Box2(Vec2(cell->u0, cell->v0), Vec2(cell->u1, cell->v1)), HollowHalvings, query, limit, submit);
+  }
   found.erase(
     std::remove_if(found.begin(), found.end(), [&](const Candidate& c) { return c.distance > limit; }), found.end());
   for (Candidate& candidate : found)

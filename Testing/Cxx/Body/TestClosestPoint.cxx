@@ -170,6 +170,39 @@ TEST(ClosestPoint, NothingOnBumpyPatchesIsCloser)
   }
 }
 
+// However near to the body, and wherever its cells meet (halves of spans): in the plane, on bumps, on long thin cells.
+TEST(ClosestPoint, PointsNextToTheBodyFindIt)
+{
+  std::mt19937 random(6);
+  std::uniform_int_distribution<int> part(0, 32);
+  for (const double height : { 0.0, 0.05, 0.4 })
+  {
+    for (const double stretch : { 1.0, 30.0 })
+    {
+      NURBSSurface surface = bumpy(31, { 2, 3 }, { 5, 4 }, height, height > 0.1);
+      for (Vec3& x : surface.points)
+      {
+        x[1] *= stretch;
+      }
+      const BodySurface body({ { "", surface, {}, false } });
+      const auto anywhere = [&](int d) {
+        const std::vector<double>& knots = surface.knots[d];
+        const int span = surface.degree[d] + part(random) % (surface.count(d) - surface.degree[d]);
+        return knots[span] + part(random) / 32.0 * (knots[span + 1] - knots[span]);
+      };
+      for (int n = 0; n < 2000; ++n)
+      {
+        const SurfaceGeometry at = surfaceGeometry(surface, anywhere(0), anywhere(1));
+        for (const double above : { 0.0, 1e-9, 1e-6, 1e-3 })
+        {
+          const BodyPoint found = body.closestPoint(at.point + above * at.normal);
+          EXPECT_LE(found.distance, above + 1e-14 * stretch);
+        }
+      }
+    }
+  }
+}
+
 TEST(ClosestPoint, KinksInsideAPatchAreEdges)
 {
   // A roof of degree 1 x 1 and one of degree 2 with a double knot.
