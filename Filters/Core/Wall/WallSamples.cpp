@@ -62,6 +62,18 @@ WallSamples::WallSamples(
     Face face;
     face.ns = cells[swap ? 1 : 0];
     face.nt = cells[swap ? 0 : 1];
+    for (int d = 0; d < 2; ++d)
+    {
+      const int count = d == 0 ? face.ns : face.nt;
+      face.basis[d].resize(count);
+      for (int span = 0; span < count; ++span)
+      {
+        for (int q = 0; q < PerSpan; ++q)
+        {
+          face.basis[d][span][q] = clampedBasis(count, span, q);
+        }
+      }
+    }
     for (int t = 0; t <= face.nt; ++t)
     {
       for (int s = 0; s <= face.ns; ++s)
@@ -241,41 +253,73 @@ void WallSamples::controlNetTransposed(const Face& face, const std::vector<Vec3>
   }
 }
 
-template <typename Visit>
-void WallSamples::forSamples(const Face& face, const Visit& visit) const
+void WallSamples::sample(const Face& face, const std::vector<Vec3>& net, std::vector<Vec3>& samples)
 {
-  std::array<std::vector<std::array<std::array<double, 4>, PerSpan>>, 2> basis;
-  for (int d = 0; d < 2; ++d)
+  // Along s on every row of control points, then along t.
+  const std::size_t columns = std::size_t(PerSpan) * face.ns;
+  std::vector<Vec3> rows(columns * (face.nt + 3));
+  for (int t = 0; t < face.nt + 3; ++t)
   {
-    const int cells = d == 0 ? face.ns : face.nt;
-    basis[d].resize(cells);
-    for (int span = 0; span < cells; ++span)
+    for (std::size_t c = 0; c < columns; ++c)
     {
-      for (int q = 0; q < PerSpan; ++q)
+      const Vec3* x = &net[c / PerSpan + std::size_t(face.ns + 3) * t];
+      const std::array<double, 4>& n = face.basis[0][c / PerSpan][c % PerSpan];
+      rows[c + columns * t] = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] + n[3] * x[3];
+    }
+  }
+  for (int t = 0; t < face.nt; ++t)
+  {
+    for (std::size_t c = 0; c < columns; ++c)
+    {
+      const Index first = face.first[c / PerSpan + std::size_t(face.ns) * t];
+      const Vec3* x = &rows[c + columns * t];
+      for (int q = 0; q < PerSpan && first >= 0; ++q)
       {
-        basis[d][span][q] = clampedBasis(cells, span, q);
+        const std::array<double, 4>& n = face.basis[1][t][q];
+        samples[first + static_cast<Index>(c % PerSpan) + PerSpan * q] =
+          n[0] * x[0] + n[1] * x[columns] + n[2] * x[2 * columns] + n[3] * x[3 * columns];
       }
     }
   }
-  const auto place = [&](int s, int t) { return s + std::size_t(face.ns + 3) * t; };
+}
+
+std::vector<Vec3> WallSamples::sampleTransposed(const Face& face, const std::vector<Vec3>& values)
+{
+  const std::size_t columns = std::size_t(PerSpan) * face.ns;
+  std::vector<Vec3> rows(columns * (face.nt + 3), Vec3::Zero());
   for (int t = 0; t < face.nt; ++t)
   {
-    for (int s = 0; s < face.ns; ++s)
+    for (std::size_t c = 0; c < columns; ++c)
     {
-      const Index first = face.first[s + std::size_t(face.ns) * t];
-      for (int q = 0; q < PerSpan * PerSpan && first >= 0; ++q)
+      const Index first = face.first[c / PerSpan + std::size_t(face.ns) * t];
+      for (int q = 0; q < PerSpan && first >= 0; ++q)
       {
-        const std::array<double, 4>&alongS = basis[0][s][q % PerSpan], &alongT = basis[1][t][q / PerSpan];
+        const Vec3& value = values[first + static_cast<Index>(c % PerSpan) + PerSpan * q];
         for (int b = 0; b < 4; ++b)
         {
-          for (int a = 0; a < 4; ++a)
-          {
-            visit(first + q, place(s + a, t + b), alongS[a] * alongT[b]);
-          }
+          rows[c + columns * (t + b)] += face.basis[1][t][q][b] * value;
         }
       }
     }
   }
+  std::vector<Vec3> net(std::size_t(face.ns + 3) * (face.nt + 3), Vec3::Zero());
+  for (int t = 0; t < face.nt + 3; ++t)
+  {
+    for (std::size_t c = 0; c < columns; ++c)
+    {
+      for (int a = 0; a < 4; ++a)
+      {
+        net[c / PerSpan + a + std::size_t(face.ns + 3) * t] +=
+          face.basis[0][c / PerSpan][c % PerSpan][a] * rows[c + columns * t];
+      }
+    }
+  }
+  return net;
+}
+
+template <typename Visit>
+void WallSamples::forCurveSamples(const Face& face, const Visit& visit)
+{
   for (int side = 0; side < 4; ++side)
   {
     for (int i = 0; i < PerSpan * face.sideCells(side) && face.curves[side] >= 0; ++i)
@@ -285,7 +329,8 @@ void WallSamples::forSamples(const Face& face, const Visit& visit) const
       {
         const int s = side < 2 ? span + a : side == 2 ? 0 : face.ns + 2;
         const int t = side >= 2 ? span + a : side == 0 ? 0 : face.nt + 2;
-        visit(face.curves[side] + i, place(s, t), basis[side < 2 ? 0 : 1][span][i % PerSpan][a]);
+        visit(
+          face.curves[side] + i, s + std::size_t(face.ns + 3) * t, face.basis[side < 2 ? 0 : 1][span][i % PerSpan][a]);
       }
     }
   }
@@ -297,9 +342,11 @@ std::vector<Vec3> WallSamples::evaluate(const std::vector<Vec3>& x, const Execut
   run.parallelFor(static_cast<Index>(this->Faces.size()), 1, [&](Index begin, Index end) {
     for (Index f = begin; f < end; ++f)
     {
-      const std::vector<Vec3> net = this->controlNet(this->Faces[f], x);
-      this->forSamples(this->Faces[f],
-        [&](Index sample, std::size_t place, double weight) { samples[sample] += weight * net[place]; });
+      const Face& face = this->Faces[f];
+      const std::vector<Vec3> net = this->controlNet(face, x);
+      sample(face, net, samples);
+      forCurveSamples(
+        face, [&](Index sample, std::size_t place, double weight) { samples[sample] += weight * net[place]; });
     }
   });
   return samples;
@@ -313,8 +360,8 @@ std::vector<Vec3> WallSamples::transposed(const std::vector<Vec3>& values, const
     for (Index f = begin; f < end; ++f)
     {
       const Face& face = this->Faces[f];
-      std::vector<Vec3> net(std::size_t(face.ns + 3) * (face.nt + 3), Vec3::Zero());
-      this->forSamples(
+      std::vector<Vec3> net = sampleTransposed(face, values);
+      forCurveSamples(
         face, [&](Index sample, std::size_t place, double weight) { net[place] += weight * values[sample]; });
       this->controlNetTransposed(
         face, net, [&](Index point, const Vec3& value) { parts[f].emplace_back(point, value); });

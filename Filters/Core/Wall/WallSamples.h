@@ -39,9 +39,13 @@ public:
   const std::vector<Index>& ordered() const { return this->Ordered; }
 
 private:
+  /// Of a span, per sample: the four B-splines that are not zero there.
+  using SpanBasis = std::array<std::array<double, 4>, PerSpan>;
   struct Face
   {
     int ns = 0, nt = 0;
+    /// Along both directions, per span.
+    std::array<std::vector<SpanBasis>, 2> basis;
     /// Numbers of its mesh points, s fastest.
     std::vector<Index> ids;
     /// First sample of each span, or -1.
@@ -61,9 +65,13 @@ private:
   /// Calls add(point, value) with what controlNet() makes of each point, transposed.
   template <typename Add>
   void controlNetTransposed(const Face& face, const std::vector<Vec3>& net, const Add& add) const;
-  /// Calls visit(sample, place in the net, weight) for all samples of a face.
+  /// The samples of a face from its control net, direction by direction.
+  static void sample(const Face& face, const std::vector<Vec3>& net, std::vector<Vec3>& samples);
+  /// sample(), transposed: the net.
+  static std::vector<Vec3> sampleTransposed(const Face& face, const std::vector<Vec3>& values);
+  /// Calls visit(sample, place in the net, weight) for the samples on curves of a face.
   template <typename Visit>
-  void forSamples(const Face& face, const Visit& visit) const;
+  static void forCurveSamples(const Face& face, const Visit& visit);
 
   const LimitRows& Rows;
   std::vector<Face> Faces;
