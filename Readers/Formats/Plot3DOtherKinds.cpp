@@ -111,6 +111,10 @@ bool explains(const OtherKind& kind, ListReader& reader, bool multiBlock, Index 
     {
       sum = saturatingSum(sum, record);
     }
+    if (sum > values)
+    {
+      return false;
+    }
   }
   return sum == values;
 }

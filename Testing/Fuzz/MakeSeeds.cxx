@@ -64,6 +64,8 @@ void plot3D()
       "1\n 3*2\n2*0., 2*1.D0 ,+0 -0\t1 ,1\n0,0.0e+0,1.5d-1,1.5Q-01,"
       "2*.0,2*+.15\n4*1-3, 4*2.5-100\n");
   write("Plot3D", "negative", std::string(1, '\0') + " -1");
+  // So many blocks that all their counts together take long, and the first one promises more than the file has.
+  write("Plot3D", "manyBlocks", std::string(1, '\0') + "28228298\n9496729*98\n9496729*1");
   write("Plot3D", "mark", std::string(1, '\0') + "\xef\xbb\xbf" + "1 2 2 2\n" + gridText(2, 2, 2, 0.0));
 }
 
