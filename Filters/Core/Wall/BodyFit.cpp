@@ -17,6 +17,7 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
 
 namespace bsv
 {
@@ -414,6 +415,9 @@ WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversio
     high = high.cwiseMax(point);
   }
   const double size = (high - low).norm();
+  // Far from the origin no limit point comes as close to its target as the tolerance says.
+  const double rounding =
+    16.0 * std::numeric_limits<double>::epsilon() * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
   if (options.body)
   {
     struct Foot
@@ -475,7 +479,8 @@ WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversio
   };
   report.initialResidual = report.residual = measure();
   double rho = HalfWidth / Center;
-  while (report.residual > options.tolerance * size)
+  bool falling = true;
+  while (report.residual > options.tolerance * size && (falling || report.residual > rounding))
   {
     if (report.iterations == options.iterations)
     {
@@ -495,7 +500,8 @@ WallFit solveFit(const BlockComplex& complex, const ConversionOptions& conversio
     }
     forAll([&](Index i) { x[i] += step[i]; });
     ++report.iterations;
-    report.residual = measure();
+    const double before = std::exchange(report.residual, measure());
+    falling = report.residual < before;
   }
 
   if (options.leastSquares)

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Wall/Displacements.h"
 
+#include "Base/SortedSum.h"
 #include "Complex/EdgeFans.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/Ranks.h"
 
-#include <map>
-#include <set>
+#include <iterator>
+#include <utility>
 
 namespace bsv
 {
@@ -36,11 +37,37 @@ void Displacements::raise(const PointAt& point, const Displacement& displacement
   {
     grid.weights.resize(grid.offsets->slots(), 0.0);
   }
-  if (Displacement{ grid.weights[slot], (*grid.offsets)[slot] } < displacement)
+  Displacement largest{ grid.weights[slot], (*grid.offsets)[slot] }, other = displacement;
+  const bool larger = largest < other;
+  if (larger)
   {
-    grid.weights[slot] = displacement.weight;
-    (*grid.offsets)[slot] = displacement.offset;
+    std::swap(largest, other);
+    grid.weights[slot] = largest.weight;
+    (*grid.offsets)[slot] = largest.offset;
   }
+  const auto found = grid.others.find(slot);
+  if (larger && found != grid.others.end())
+  {
+    std::set<Displacement> left;
+    std::copy_if(found->second.begin(), found->second.end(), std::inserter(left, left.end()),
+      [&](const Displacement& one) { return one.equals(largest); });
+    found->second = std::move(left);
+  }
+  if (other.equals(largest) && other < largest)
+  {
+    grid.others[slot].insert(other);
+  }
+}
+
+std::vector<Displacement> Displacements::Grid::counting(Index slot) const
+{
+  std::vector<Displacement> all{ { this->weights[slot], (*this->offsets)[slot] } };
+  const auto found = this->others.find(slot);
+  if (found != this->others.end())
+  {
+    all.insert(all.end(), found->second.begin(), found->second.end());
+  }
+  return all;
 }
 
 void Displacements::share()
@@ -109,6 +136,15 @@ void Displacements::apply(BlockComplex& complex)
     ChangedPoints& points = *grid.offsets;
     const GridView before = pieces.front()->points;
     const auto given = [&](Index i) { return before.atPlace(i); };
+    for (const auto& [slot, others] : grid.others)
+    {
+      std::vector<Vec3> offsets;
+      for (const Displacement& one : grid.counting(slot))
+      {
+        offsets.push_back(one.offset);
+      }
+      points[slot] = sortedSum(offsets) / static_cast<double>(offsets.size());
+    }
     points.forEach([&](Index i, Index slot) {
       const Vec3 x = given(i);
       points[slot] = isUnmoved(points[slot]) ? x : Vec3(x + points[slot]);
@@ -190,31 +226,32 @@ std::vector<PointAt> Displacements::copies(const SharedPoint& point) const
 void Displacements::unite(const SharedPoint& point, std::vector<std::vector<Message>>& toRank)
 {
   const std::vector<PointAt> copies = this->copies(point);
-  Displacement largest;
+  std::set<Displacement> reaching;
   for (const PointAt& copy : copies)
   {
     const Grid& grid = this->Grids[this->Complex.blocks[copy.block].parent];
     const Index slot = grid.offsets->slot(this->place(copy));
-    if (slot >= 0)
+    if (slot >= 0 && grid.weights[slot] > 0.0)
     {
-      largest = std::max(largest, { grid.weights[slot], (*grid.offsets)[slot] });
+      const std::vector<Displacement> counting = grid.counting(slot);
+      reaching.insert(counting.begin(), counting.end());
     }
-  }
-  if (largest.weight == 0.0)
-  {
-    return;
   }
   std::set<int> told;
   for (const PointAt& copy : copies)
   {
     const int rank = this->Complex.blocks[copy.block].rank;
-    if (rank == this->Group.rank())
+    const bool first = told.insert(rank).second;
+    for (const Displacement& displacement : reaching)
     {
-      this->raise(copy, largest);
-    }
-    else if (told.insert(rank).second)
-    {
-      toRank[rank].push_back({ point, largest.weight, triple(largest.offset) });
+      if (rank == this->Group.rank())
+      {
+        this->raise(copy, displacement);
+      }
+      else if (first)
+      {
+        toRank[rank].push_back({ point, displacement.weight, triple(displacement.offset) });
+      }
     }
   }
 }

@@ -14,13 +14,16 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 namespace bsv
 {
 
-/// Displacement of one mesh point; the one with the larger weight counts where several reach it.
+/// Displacement of one mesh point. Where several reach it the one with the largest weight counts, or the mean of those
+/// whose weights are as large up to rounding, as in the middle between two walls.
 struct Displacement
 {
   double weight = 0.0;
@@ -33,6 +36,12 @@ struct Displacement
       return this->weight < other.weight;
     }
     return comesBefore(this->offset, other.offset);
+  }
+  /// Whether it counts beside one of a weight that is as large or larger. Wall points have their own alone.
+  bool equals(const Displacement& largest) const
+  {
+    constexpr double Rounding = 0x1p-20;
+    return largest.weight < 1.0 && this->weight > 0.0 && largest.weight - this->weight <= Rounding;
   }
 };
 
@@ -58,10 +67,10 @@ public:
   Displacements(const BlockComplex& complex, const Ranks& ranks);
 
   bool isHere(int block) const { return this->Complex.blocks[block].rank == this->Group.rank(); }
-  /// Makes the displacement of a point at least so large.
+  /// One more displacement that reaches a point; in any order.
   void raise(const PointAt& point, const Displacement& displacement);
 
-  /// Gives all copies of every shared point, on all ranks, the largest of their displacements.
+  /// Gives all copies of every shared point, on all ranks, all of their displacements that count.
   void share();
 
   /// Moves the points. The offsets become the moved points, which takes no more memory.
@@ -82,6 +91,10 @@ private:
     std::shared_ptr<ChangedPoints> offsets;
     /// Per slot of `offsets`; 0 for points that do not move.
     std::vector<double> weights;
+    /// Of few slots: others that count beside the largest.
+    std::map<Index, std::set<Displacement>> others;
+
+    std::vector<Displacement> counting(Index slot) const;
   };
   /// Offset of points that share a page with others and do not move: not zero, which would change the sign of zeros.
   static Vec3 unmoved() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
@@ -97,7 +110,7 @@ private:
 
   std::vector<PointAt> copies(const SharedPoint& point) const;
 
-  /// Gives the copies on this rank the largest of their displacements, and tells it to the ranks that have others.
+  /// Gives the copies on this rank all of their displacements that count, and tells them to the ranks that have others.
   void unite(const SharedPoint& point, std::vector<std::vector<Message>>& toRank);
 
   const BlockComplex& Complex;

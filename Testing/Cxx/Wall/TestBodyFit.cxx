@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <limits>
 
 using namespace bsv;
 using bodycases::starNormal;
@@ -132,6 +133,59 @@ TEST(BodyFit, TheWallPassesThroughTheGivenPoints)
       EXPECT_GT(report.initialResidual, 1e-3);
       EXPECT_LE(interpolationError(converted, mesh, cells), 1e-12);
     }
+  }
+}
+
+// Coordinates of a million are stored to 1e-10.
+TEST(BodyFit, ReachesThePointsFarFromTheOrigin)
+{
+  constexpr double Distance = 1e6;
+  MeshCase mesh = bodyMesh(4, 0.05);
+  mesh.apply([&](const Vec3& x) { return Vec3(x + Vec3(Distance, -Distance, 0.5 * Distance)); });
+  BodyFitReport report;
+  const Converted converted = convertFitted(mesh.mesh(), {}, report);
+  EXPECT_LE(interpolationError(converted, mesh, 4), 32.0 * std::numeric_limits<double>::epsilon() * Distance);
+}
+
+// In the middle of a ball lines from opposite and from neighbouring sides of the wall are as long as each other but for
+// rounding: what is carried along them must not depend on it.
+TEST(BodyFit, TurnedMeshesMakeTurnedVolumes)
+{
+  MeshCase mesh = meshcases::ball(4, 3);
+  mesh.boundaryNames = { "wall" };
+  for (int b = 1; b < static_cast<int>(mesh.blocks.size()); ++b)
+  {
+    mesh.boundaries.push_back({ b, 5, { { 0, 0 }, { 4, 4 } }, 0 });
+  }
+  BodyFitReport report;
+  const Converted given = convertFitted(mesh.mesh(), {}, report);
+  EXPECT_GT(report.displacement, 0.01);
+  const Eigen::Matrix3d turns[] = { Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix(),
+    Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal(), 1e3 * Eigen::Matrix3d::Identity() };
+  for (const Eigen::Matrix3d& turn : turns)
+  {
+    MeshCase turned = mesh;
+    turned.apply([&](const Vec3& x) { return Vec3(turn * x); });
+    const Converted made = convertFitted(turned.mesh(), {}, report);
+    double worst = 0.0;
+    for (std::size_t b = 0; b < given.points.size(); ++b)
+    {
+      ASSERT_EQ(made.points[b].size(), given.points[b].size());
+      for (std::size_t p = 0; p < given.points[b].size(); p += 3)
+      {
+        const Eigen::Map<const Vec3> before(&given.points[b][p]), after(&made.points[b][p]);
+        worst = std::max(worst, (turn.inverse() * after - before).norm());
+      }
+    }
+    EXPECT_LE(worst, 1e-11);
+  }
+  // The same bits for any numbering.
+  const auto net = conversioncases::canonicalNet(given);
+  for (const unsigned seed : { 1u, 2u })
+  {
+    MeshCase other = mesh;
+    meshcases::shuffle(other, seed, true);
+    EXPECT_EQ(conversioncases::canonicalNet(convertFitted(other.mesh(), {}, report)), net);
   }
 }
 

@@ -165,10 +165,21 @@ FitCase ringBlock()
   return FitCase("block that meets itself", meshcases::oGrid({ 12, 5, 4 })).addWall(0, 2);
 }
 
+/// In the middle of a ball lines from all sides are as long.
+FitCase ball()
+{
+  FitCase result("ball", meshcases::ball(4, 3));
+  for (int b = 1; b < static_cast<int>(result.mesh->blocks.size()); ++b)
+  {
+    result.addWall(b, 5);
+  }
+  return result;
+}
+
 std::vector<FitCase> cases()
 {
   std::vector<FitCase> all{ star(3, 3, false), star(2, 2, true), creased(false), creased(true), cut(), corner(),
-    ringBlock() };
+    ringBlock(), ball() };
   all.push_back(star(3, 3, false));
   all.back().name = "shuffled star";
   meshcases::shuffle(*all.back().mesh, 7, true);
