@@ -477,11 +477,11 @@ private:
     }
     if (counts.spans.checked > 0)
     {
-      const bsv::Index bad = counts.spans.invalid + counts.spans.invalidCells;
+      const bsv::Index invalid = counts.spans.invalid + counts.spans.invalidCells - counts.spans.undecidedCells;
+      const bsv::Index undecided = counts.spans.undecided + counts.spans.undecidedCells;
       lines.push_back("Spans: " + std::to_string(counts.spans.checked) + " checked, " +
-        (bad + counts.spans.undecided == 0
-            ? std::string("all valid")
-            : std::to_string(bad) + " invalid, " + std::to_string(counts.spans.undecided) + " undecided"));
+        (invalid + undecided == 0 ? std::string("all valid")
+                                  : std::to_string(invalid) + " invalid, " + std::to_string(undecided) + " undecided"));
     }
     else
     {

@@ -179,7 +179,8 @@ std::string spanText(const BlockComplex& complex, const ConversionOptions& optio
   }
   if (spans.invalidCells > 0)
   {
-    text << spans.invalidCells << " more spans are not valid, nor are their mesh cells\n";
+    text << spans.invalidCells << " more spans are not proven valid, nor are their mesh cells valid: "
+         << spans.invalidCells - spans.undecidedCells << " invalid, " << spans.undecidedCells << " undecided\n";
   }
   constexpr std::size_t Listed = 20;
   for (std::size_t i = 0; i < std::min(Listed, spans.left.size()); ++i)

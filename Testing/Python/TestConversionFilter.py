@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """vtkCatmullClarkToBSplineVolume through its proxy: properties, output data, errors, threads, abort."""
+import math
 import os
 import sys
 
@@ -353,6 +354,30 @@ def test_progress_and_abort():
             "ProgressEvent", lambda filter, _: filter.SetAbortExecute(filter.GetProgress() >= when))
         data, warnings = update(proxy)
         assert data.GetNumberOfPartitionedDataSets() == 0 and not warnings
+
+
+def test_verdict_counts_what_quality_proves():
+    """Also where the cells of the mesh are collapsed, which nothing can decide, or inverted, which is proven."""
+    def pole(i, j, k):
+        angle, radius = 0.25 * math.pi * i, 0.0 if j == 0 else 0.5 * j
+        return 0.1 + radius * math.cos(angle), 0.2 + radius * math.sin(angle), k / 3
+
+    def inverted(i, j, k):
+        return (-4.0 if (i, j, k) == (2, 2, 2) else float(i)), float(j), float(k)
+
+    for place, decided in ((pole, False), (inverted, True)):
+        for continuity in "SingleKnots", "ExactG1":
+            mesh = producer(collection([grid((2, 3, 3), place), grid((2, 3, 3), place, (2, 0, 0))]))
+            proxy = conversion(mesh, AllowDegenerate=1, CheckSpans="All", Continuity=continuity)
+            update(proxy)
+            proxy.UpdatePropertyInformation()
+            quality = simple.BSplineVolumeQuality(Input=proxy)
+            update(quality)
+            quality.UpdatePropertyInformation()
+            invalid, undecided = quality.NumberOfInvalidSpans, quality.NumberOfUndecidedSpans
+            assert (invalid > 0 and undecided == 0) if decided else (invalid == 0 and undecided > 0)
+            line = "Spans: %d checked, %d invalid, %d undecided" % (quality.NumberOfSpans, invalid, undecided)
+            assert line in proxy.Report, proxy.Report
 
 
 def test_errors():

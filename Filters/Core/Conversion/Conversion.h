@@ -189,8 +189,9 @@ struct SpanReport
   Index invalid = 0;
   Index undecided = 0;
   std::vector<Place> left;
-  /// Not proven valid, and the mesh cell is not valid either: left alone.
+  /// Not proven valid, and the mesh cell is not valid either: left alone; and those of them that are not decided.
   Index invalidCells = 0;
+  Index undecidedCells = 0;
   Index movedPoints = 0;
   /// Largest move, as a length and in cells.
   double largestMove = 0.0;

@@ -53,14 +53,13 @@ public:
   /// @param failing spans of this rank that are not proven valid.
   void operator()(const std::map<SpanId, Validity>& failing, SpanReport& report)
   {
-    for (const auto& entry : failing)
+    for (const auto& [id, validity] : failing)
     {
-      if (this->addEntry(entry.first))
-      {
-        Entry& added = this->Entries.at(entry.first);
-        added.failedFirst = true;
-        added.validity = entry.second;
-      }
+      this->setValidity(id, validity);
+    }
+    for (auto& entry : this->Entries)
+    {
+      entry.second.failedFirst = true;
     }
     if (this->Context.options.repairSpans || this->Context.options.untangle)
     {
@@ -86,6 +85,22 @@ private:
     bool failing() const { return this->validity != Validity::Valid; }
   };
 
+  void setValidity(const SpanId& id, Validity validity)
+  {
+    if (validity == Validity::Valid)
+    {
+      this->InvalidCells.erase(id);
+    }
+    if (validity == Validity::Valid ? this->Entries.count(id) > 0 : this->addEntry(id))
+    {
+      this->Entries.at(id).validity = validity;
+    }
+    else if (validity != Validity::Valid)
+    {
+      this->InvalidCells[id] = validity;
+    }
+  }
+
   /// @return false if the mesh cell itself is not valid.
   bool addEntry(const SpanId& id)
   {
@@ -103,7 +118,6 @@ private:
     const bool validCell = isValidCell(block, corners);
     if (!validCell && !this->Context.options.untangle)
     {
-      this->InvalidCells.insert(id);
       return false;
     }
     // The frame: its origin is the smallest corner, its axes are sorted by their other ends.
@@ -537,10 +551,7 @@ private:
       {
         const SpanId id{ block, number };
         const auto found = failing.find(id);
-        if (found != failing.end() ? this->addEntry(id) : this->Entries.count(id) > 0)
-        {
-          this->Entries.at(id).validity = found != failing.end() ? found->second : Validity::Valid;
-        }
+        this->setValidity(id, found != failing.end() ? found->second : Validity::Valid);
       }
     }
   }
@@ -634,7 +645,11 @@ private:
       Validity validity;
     };
     std::vector<Place> left;
-    std::array<Index, 3> counts{ 0, 0, static_cast<Index>(this->InvalidCells.size()) };
+    std::array<Index, 4> counts{ 0, 0, static_cast<Index>(this->InvalidCells.size()), 0 };
+    for (const auto& entry : this->InvalidCells)
+    {
+      counts[3] += entry.second == Validity::Undecided ? 1 : 0;
+    }
     for (const auto& [id, entry] : this->Entries)
     {
       counts[0] += entry.failedFirst ? 1 : 0;
@@ -644,11 +659,12 @@ private:
         left.push_back({ id.first, cellOf(this->Context.complex.blocks[id.first], id.second), entry.validity });
       }
     }
-    for (const std::array<Index, 3>& part : this->Group.gatherAll(std::vector<std::array<Index, 3>>{ counts }))
+    for (const std::array<Index, 4>& part : this->Group.gatherAll(std::vector<std::array<Index, 4>>{ counts }))
     {
       report.failed += part[0];
       report.repaired += part[1];
       report.invalidCells += part[2];
+      report.undecidedCells += part[3];
     }
     for (const std::vector<Place>& part : this->Group.gather(left))
     {
@@ -674,7 +690,8 @@ private:
   const Execution& Run;
   const Ranks& Group;
   std::map<SpanId, Entry> Entries;
-  std::set<SpanId> InvalidCells;
+  /// Spans that are not proven valid, nor are their mesh cells.
+  std::map<SpanId, Validity> InvalidCells;
   /// The same on all ranks.
   ///@{
   PointOffsets Offsets;
@@ -749,7 +766,8 @@ G1Report joinAndCheck(
     {
       int block;
       Ijk cell, first;
-      int code; ///< of Validity, or -1: nor is the mesh cell valid
+      Validity validity;
+      bool validCell;
     };
     std::vector<Place> left;
     Index checked = 0;
@@ -758,8 +776,8 @@ G1Report joinAndCheck(
     {
       const ComplexBlock& block = context.complex.blocks[id.first];
       const Ijk cell = nets.cellOf(id);
-      const bool valid = isValidCell(block, givenCorners(block, cell));
-      left.push_back({ id.first, cell, nets.firstControlPoint(id), valid ? static_cast<int>(validity) : -1 });
+      const bool validCell = isValidCell(block, givenCorners(block, cell));
+      left.push_back({ id.first, cell, nets.firstControlPoint(id), validity, validCell });
     }
     left = ranks.gatherAll(left);
     std::sort(left.begin(), left.end(), [](const Place& a, const Place& b) {
@@ -772,15 +790,19 @@ G1Report joinAndCheck(
     {
       spans.checked = checked;
       spans.left.clear();
-      spans.invalid = spans.undecided = spans.invalidCells = 0;
+      spans.invalid = spans.undecided = spans.invalidCells = spans.undecidedCells = 0;
       for (const Place& place : left)
       {
-        ++(place.code < 0                                       ? spans.invalidCells
-            : place.code == static_cast<int>(Validity::Invalid) ? spans.invalid
-                                                                : spans.undecided);
-        if (place.code >= 0)
+        const bool undecided = place.validity == Validity::Undecided;
+        if (place.validCell)
         {
+          ++(undecided ? spans.undecided : spans.invalid);
           spans.left.push_back({ place.block, place.cell });
+        }
+        else
+        {
+          ++spans.invalidCells;
+          spans.undecidedCells += undecided ? 1 : 0;
         }
       }
       const Index cured = std::max<Index>(0, failedFirst - static_cast<Index>(left.size()));
