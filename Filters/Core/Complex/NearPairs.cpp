@@ -13,6 +13,9 @@ namespace
 /// Fraction of the shortest mesh edge within which two points are in one place.
 constexpr double SamePlace = 0.05;
 
+/// The same as FacingCosine for quadrilaterals with a common edge: of a notch that is wider, the ends are not near.
+constexpr double NotchCosine = 0.5 * NearLimit * NearLimit - 1.0;
+
 /// The coordinates of `d` in a frame, largest absolute value; infinite if the frame is flat.
 class Frame
 {
@@ -60,6 +63,26 @@ double shortestEdge(const OuterCell& cell)
     }
   }
   return shortest;
+}
+
+/// Whether two quadrilaterals with a common edge are the sides of cells that taper to it: they face each other through
+/// the mesh, and what lies behind them at the edge lies between them. @param shared corners of b for those of a, or -1
+bool taper(const OuterCell& a, const OuterCell& b, const std::array<int, 4>& shared)
+{
+  const Vec3 normalA = a.area().stableNormalized(), normalB = b.area().stableNormalized();
+  const Vec3 gap = b.center() - a.center();
+  bool between = gap.dot(normalA) < 0.0 && gap.dot(normalB) > 0.0;
+  // Of sides that overlap, each has its cells on the side of the other.
+  constexpr double Beyond = 0.5;
+  for (int c = 0; c < 4 && between; ++c)
+  {
+    if (shared[c] >= 0)
+    {
+      const Vec3 inA = a.behind(c) - a.corner(c), inB = b.behind(shared[c]) - b.corner(shared[c]);
+      between = inA.dot(normalB) < Beyond * inA.norm() && inB.dot(normalA) < Beyond * inB.norm();
+    }
+  }
+  return between;
 }
 
 class PairSearch
@@ -225,6 +248,15 @@ private:
         corners = to;
       }
     }
+    std::array<int, 4> common{};
+    for (int c = 0; c < 4; ++c)
+    {
+      common[c] = same(c, corners[c]) ? corners[c] : -1;
+    }
+    if (shared == 2 && taper(a, b, common))
+    {
+      return false;
+    }
     double inA = 0.0, inB = 0.0;
     for (int c = 0; c < 4; ++c)
     {
@@ -245,7 +277,7 @@ private:
       pair.fraction = std::min(inA, inB);
       pair.distance = distance;
     }
-    else if (areaA.dot(areaB) < FacingCosine * sizes)
+    else if (areaA.dot(areaB) < (shared == 2 ? NotchCosine : FacingCosine) * sizes)
     {
       const auto depth = [](const Frame& frame, const Vec3& d) {
         const Vec3 x = frame.coordinates(d);

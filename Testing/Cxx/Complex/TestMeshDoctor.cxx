@@ -320,6 +320,53 @@ TEST(MeshDoctor, ThinWallsAreNoNearMisses)
   EXPECT_EQ(count(found, MeshFindingKind::NarrowGap), 1) << list(plate, found);
 }
 
+// Outer faces that meet at an edge at any angle through the mesh, and at angles across which nobody would glue.
+TEST(MeshDoctor, TapersAndNotchesAreMeant)
+{
+  // One block, two that share the taper, and stairs, whose notches are as wide as the shear leaves them.
+  const std::vector<std::vector<std::pair<Ijk, Ijk>>> shapes{ { { { 0, 0, 0 }, { 4, 4, 4 } } },
+    { { { 0, 0, 0 }, { 4, 4, 4 } }, { { 4, 0, 0 }, { 8, 4, 4 } } },
+    { { { 0, 0, 0 }, { 2, 2, 2 } }, { { 2, 0, 0 }, { 4, 2, 2 } }, { { 0, 2, 0 }, { 2, 4, 2 } } },
+    { { { 0, 0, 0 }, { 1, 1, 2 } }, { { 1, 0, 0 }, { 2, 1, 2 } }, { { 0, 1, 0 }, { 1, 2, 2 } },
+      { { 2, 0, 0 }, { 3, 1, 2 } }, { { 1, 1, 0 }, { 2, 2, 2 } }, { { 0, 2, 0 }, { 1, 3, 2 } } } };
+  for (const auto& boxes : shapes)
+  {
+    for (const double degrees : { 75.0, 60.0, 55.0, 45.0, 36.0 })
+    {
+      SCOPED_TRACE(std::to_string(boxes.size()) + " blocks, " + std::to_string(degrees));
+      const double angle = degrees / DegreesPerRadian;
+      MeshCase mesh = latticeBlocks(boxes);
+      mesh.apply([=](const Vec3& x) { return Vec3(x[0] + std::cos(angle) * x[1], std::sin(angle) * x[1], x[2]); });
+      const MeshDiagnosis found = diagnosed(mesh);
+      EXPECT_FALSE(found.suspicious()) << list(mesh, found);
+      EXPECT_TRUE(boxes.size() > 2 || found.findings.empty()) << list(mesh, found);
+    }
+  }
+  // Two blocks taper to one edge.
+  const double c = std::cos(25.0 / DegreesPerRadian), d = std::sin(25.0 / DegreesPerRadian);
+  MeshCase tip;
+  tip.add({ 3, 3, 2 }, [=](const Ijk& p) { return Vec3(p[0] + c * p[1], d * p[1], p[2]); });
+  tip.add({ 3, 3, 2 }, [=](const Ijk& p) { return Vec3(p[1] + c * p[0], -d * p[0], p[2]); });
+  const MeshDiagnosis found = diagnosed(tip);
+  EXPECT_TRUE(found.findings.empty()) << list(tip, found);
+}
+
+// Blocks that meet at an edge and turn away from, or into, each other from there; wide slits are those of sharp bodies.
+TEST(MeshDoctor, SlitsThatBeginAtACommonEdge)
+{
+  for (const double angle : { 0.06, 0.12, -0.06, -0.12, -0.2, -0.5 })
+  {
+    MeshCase mesh = twoBoxes(Vec3::Zero());
+    for (Vec3& x : mesh.blocks[1].points)
+    {
+      const Vec3 r = x - Vec3(4, 0, 0);
+      x = Vec3(
+        4 + std::cos(angle) * r[0] + std::sin(angle) * r[1], std::cos(angle) * r[1] - std::sin(angle) * r[0], r[2]);
+    }
+    EXPECT_TRUE(isFound(mesh)) << angle;
+  }
+}
+
 TEST(MeshDoctor, HolesAndComponents)
 {
   MeshCase body = sphereBody(4, { 1.0, 1.2, 1.5 });
