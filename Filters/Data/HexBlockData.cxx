@@ -135,6 +135,29 @@ std::vector<NamedLeaf> takeSurfaces(std::vector<Leaf>& leaves, const Ranks& rank
   return surfaces;
 }
 
+/// Gives all ranks what the first one, which makes the blocks, has to say. Collective.
+void shareReport(HexMeshReport& report, const Ranks& ranks)
+{
+  const auto share = [&](std::vector<std::string>& sentences) {
+    std::vector<char> letters;
+    for (const std::string& sentence : sentences)
+    {
+      letters.insert(letters.end(), sentence.c_str(), sentence.c_str() + sentence.size() + 1);
+    }
+    const std::vector<char> first = ranks.gather(letters).front();
+    sentences.clear();
+    for (auto at = first.begin(); at != first.end(); at = std::find(at, first.end(), '\0') + 1)
+    {
+      sentences.emplace_back(&*at);
+    }
+  };
+  share(report.notes);
+  share(report.warnings);
+  const std::vector<std::vector<Index>> counts = ranks.gather(std::vector<Index>{ report.cells, report.blocks });
+  report.cells = counts.front()[0];
+  report.blocks = counts.front()[1];
+}
+
 } // namespace
 
 std::vector<NamedLeaf> namedLeaves(vtkDataObject* input)
@@ -161,6 +184,7 @@ BlockMesh blockMesh(vtkDataObject* given, std::vector<vtkSmartPointer<vtkStructu
   }
   vtkNew<vtkPartitionedDataSetCollection> blocks;
   HexMeshReport report = hexMeshToBlocks(input, nullptr, {}, blocks, run);
+  shareReport(report, ranks);
   BlockMesh mesh = structuredBlocks(blocks, grids, ranks);
   mesh.notes = std::move(report.notes);
   if (!mesh.blocks.empty())

@@ -3,7 +3,9 @@
 
 #include "Base/MemoryCheck.h"
 #include "Base/ProgressPart.h"
+#include "Data/BlockTagArrays.h"
 #include "Data/BlockTags.h"
+#include "Data/BoundaryPatterns.h"
 #include "Data/HexBlockData.h"
 #include "Data/SurfaceNames.h"
 #include "Data/TreeLeaves.h"
@@ -153,6 +155,13 @@ public:
       {
         continue;
       }
+      // The points of a volume that another filter made unstructured.
+      if (data->GetFieldData()->HasArray("KnotsW"))
+      {
+        throw Error("'" + name +
+          "' has the control points of a B-spline volume, which are no mesh: apply this filter to the mesh before the "
+          "conversion, or to samples of the volume (BSpline Volume Sampler)");
+      }
       // A reader may know what a boundary is.
       auto* type = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("BoundaryType"));
       if (type && type->GetNumberOfValues() == 1)
@@ -168,6 +177,10 @@ public:
     {
       this->addStructuredNames(tree);
       this->addFormerNames(tree);
+      if (this->FormerNames.empty() && this->QuadNames.empty())
+      {
+        this->LostNames = stringsOf(tree->GetFieldData(), "BoundaryNames");
+      }
     }
   }
 
@@ -214,6 +227,12 @@ public:
     {
       this->warnings.push_back("The mesh has " + std::to_string(this->Nameless) +
         " quadrilaterals without a name: choose the Boundary Array that names them, of " + this->listedArrays() + ".");
+    }
+    if (!this->LostNames.empty() && this->Mesh.boundaryNames.empty())
+    {
+      this->warnings.push_back("Where the boundaries " + quotedList(this->LostNames) +
+        " were is lost: a filter before this one made the blocks unstructured, and their points have no MeshPointIds, "
+        "which samples and choices of arrays leave out.");
     }
     const auto count = [&](Index number, const std::string& what) {
       if (number > 0)
@@ -266,33 +285,60 @@ public:
       return;
     }
     this->Mesh.tagOf = [this](const std::array<HexId, 4>& points) {
-      std::array<Index, 4> ids{};
-      const HexLeaf& leaf = this->leafOf(points[0], &HexLeaf::firstPoint);
-      const auto former = this->Former.find(leaf.data);
-      if (former == this->Former.end())
-      {
-        return -1;
-      }
-      for (int c = 0; c < 4; ++c)
-      {
-        // A point that was merged may be another grid's.
-        const HexLeaf& own = this->leafOf(points[c], &HexLeaf::firstPoint);
-        vtkDataArray* numbers = own.data->GetPointData()->GetArray("MeshPointIds");
-        if (!numbers)
-        {
-          return -1;
-        }
-        ids[c] = static_cast<Index>(numbers->GetTuple1(static_cast<vtkIdType>(points[c] - own.firstPoint)));
-      }
-      const FormerBoundaries::Name* name = former->second.find(ids);
-      if (!name)
-      {
-        return -1;
-      }
-      const auto found = std::lower_bound(this->FormerNames.begin(), this->FormerNames.end(), name->name);
-      return this->FormerTags[found - this->FormerNames.begin()];
+      const int name = this->formerName(points);
+      return name < 0 ? -1 : this->FormerTags[name];
     };
   }
+
+  /// The faces of the cells here that have such a name, with the number of their name.
+  std::vector<NamedQuad> formerFaces(const Execution& run) const
+  {
+    std::vector<NamedQuad> faces;
+    for (Index cell = 0; cell < this->Mesh.cellCount() && !this->FormerNames.empty(); ++cell)
+    {
+      const HexId* corner = this->Mesh.corners.data() + 8 * cell;
+      for (int f = 0; f < 6; ++f)
+      {
+        const std::array<HexId, 4> points{ corner[faceCorner(f, 0, 0)], corner[faceCorner(f, 1, 0)],
+          corner[faceCorner(f, 0, 1)], corner[faceCorner(f, 1, 1)] };
+        const int name = this->formerName(points);
+        if (name >= 0)
+        {
+          faces.push_back({ points, name });
+        }
+      }
+      if (cell % 4096 == 0)
+      {
+        run.report(0.1);
+      }
+    }
+    return faces;
+  }
+
+  /// Names faces by what formerFaces() said on all ranks. @param names of all, per face
+  void nameFormerFaces(const std::vector<NamedQuad>& faces, const std::vector<std::string>& names)
+  {
+    if (names.empty())
+    {
+      return;
+    }
+    this->FormerNames = names;
+    std::sort(this->FormerNames.begin(), this->FormerNames.end());
+    this->FormerNames.erase(std::unique(this->FormerNames.begin(), this->FormerNames.end()), this->FormerNames.end());
+    std::vector<std::pair<std::array<HexId, 4>, int>> known;
+    for (const NamedQuad& face : faces)
+    {
+      known.emplace_back(sorted(face.points), this->formerNumber(names[face.tag]));
+    }
+    std::sort(known.begin(), known.end());
+    this->Mesh.tagOf = [this, known = std::move(known)](const std::array<HexId, 4>& points) {
+      const std::array<HexId, 4> key = sorted(points);
+      const auto found = std::lower_bound(known.begin(), known.end(), std::make_pair(key, -1));
+      return found == known.end() || found->first != key ? -1 : this->FormerTags[found->second];
+    };
+  }
+  const std::vector<std::string>& formerNames() const { return this->FormerNames; }
+  std::map<std::string, std::string>& types() { return this->TypeOf; }
 
   const std::vector<HexLeaf>& leaves() const { return this->Leaves; }
   std::vector<double>& points() { return this->Points; }
@@ -327,6 +373,43 @@ public:
   std::vector<std::string> warnings;
 
 private:
+  static std::array<HexId, 4> sorted(std::array<HexId, 4> points)
+  {
+    std::sort(points.begin(), points.end());
+    return points;
+  }
+
+  int formerNumber(const std::string& name) const
+  {
+    return static_cast<int>(
+      std::lower_bound(this->FormerNames.begin(), this->FormerNames.end(), name) - this->FormerNames.begin());
+  }
+
+  /// Number of the name that a face had in the block that it was of; -1 for none.
+  int formerName(const std::array<HexId, 4>& points) const
+  {
+    std::array<Index, 4> ids{};
+    const HexLeaf& leaf = this->leafOf(points[0], &HexLeaf::firstPoint);
+    const auto former = this->Former.find(leaf.data);
+    if (former == this->Former.end())
+    {
+      return -1;
+    }
+    for (int c = 0; c < 4; ++c)
+    {
+      // A point that was merged may be another grid's.
+      const HexLeaf& own = this->leafOf(points[c], &HexLeaf::firstPoint);
+      vtkDataArray* numbers = own.data->GetPointData()->GetArray("MeshPointIds");
+      if (!numbers)
+      {
+        return -1;
+      }
+      ids[c] = static_cast<Index>(numbers->GetTuple1(static_cast<vtkIdType>(points[c] - own.firstPoint)));
+    }
+    const FormerBoundaries::Name* name = former->second.find(ids);
+    return name ? this->formerNumber(name->name) : -1;
+  }
+
   static vtkPoints* pointsOf(vtkDataSet* data)
   {
     vtkPoints* points = vtkPointSet::SafeDownCast(data)->GetPoints();
@@ -592,6 +675,8 @@ private:
   std::map<vtkDataSet*, FormerBoundaries> Former;
   /// Ascending, and their tags.
   std::vector<std::string> FormerNames;
+  /// Of a mesh that once had boundaries, none of which can be found.
+  std::vector<std::string> LostNames;
   std::vector<int> FormerTags;
   std::vector<Index> CellNumbers;
   bool Numbered = false;
@@ -608,8 +693,9 @@ private:
 };
 
 /// Sends everything to the first rank.
-void gatherMesh(HexMesh& mesh, Collector& collector, const Ranks& ranks)
+void gatherMesh(HexMesh& mesh, Collector& collector, const Execution& run)
 {
+  const Ranks& ranks = *run.ranks;
   const auto toFirst = [&](auto& values) {
     std::vector<std::remove_reference_t<decltype(values)>> to(ranks.size());
     to[0].swap(values);
@@ -630,17 +716,40 @@ void gatherMesh(HexMesh& mesh, Collector& collector, const Ranks& ranks)
       collector.cellNumbers().push_back(c);
     }
   }
-  std::vector<char> names;
-  for (const std::string& name : collector.quadNames())
+  const auto joined = [](const std::vector<std::string>& texts) {
+    std::vector<char> all;
+    for (const std::string& text : texts)
+    {
+      all.insert(all.end(), text.c_str(), text.c_str() + text.size() + 1);
+    }
+    return all;
+  };
+  const auto split = [](const std::vector<char>& all) {
+    std::vector<std::string> texts;
+    for (auto at = all.begin(); at != all.end(); at = std::find(at, all.end(), '\0') + 1)
+    {
+      texts.emplace_back(&*at);
+    }
+    return texts;
+  };
+  std::vector<char> names = joined(collector.quadNames());
+  std::vector<char> formerNames = joined(collector.formerNames());
+  std::vector<NamedQuad> formerFaces = collector.formerFaces(run);
+  std::vector<std::string> typeTexts;
+  for (const auto& [name, type] : collector.types())
   {
-    names.insert(names.end(), name.c_str(), name.c_str() + name.size() + 1);
+    typeTexts.insert(typeTexts.end(), { name, type });
   }
+  std::vector<char> types = joined(typeTexts);
   std::vector<Index> sizes{ collector.cellCount() };
   const auto allPoints = toFirst(collector.points());
   const auto allCorners = toFirst(mesh.corners);
   const auto allNumbers = toFirst(collector.cellNumbers());
   const auto allQuads = toFirst(mesh.quads);
   const auto allNames = toFirst(names);
+  const auto allFormerNames = toFirst(formerNames);
+  const auto allFormerFaces = toFirst(formerFaces);
+  const auto allTypes = toFirst(types);
   const auto allSizes = toFirst(sizes);
   collector.quadNames().clear();
   if (ranks.rank() > 0)
@@ -648,6 +757,8 @@ void gatherMesh(HexMesh& mesh, Collector& collector, const Ranks& ranks)
     return;
   }
   Index firstCell = 0;
+  std::vector<NamedQuad> faces;
+  std::vector<std::string> namesOfFaces;
   for (int r = 0; r < ranks.size(); ++r)
   {
     const Index firstPoint = static_cast<Index>(collector.points().size()) / 3;
@@ -672,12 +783,31 @@ void gatherMesh(HexMesh& mesh, Collector& collector, const Ranks& ranks)
       }
       mesh.quads.push_back(quad);
     }
-    for (auto at = allNames[r].begin(); at != allNames[r].end(); at = std::find(at, allNames[r].end(), '\0') + 1)
+    for (std::string& name : split(allNames[r]))
     {
-      collector.quadNames().emplace_back(&*at);
+      collector.quadNames().push_back(std::move(name));
+    }
+    for (NamedQuad face : allFormerFaces[r])
+    {
+      for (HexId& p : face.points)
+      {
+        p += static_cast<HexId>(firstPoint);
+      }
+      face.tag += static_cast<int>(namesOfFaces.size());
+      faces.push_back(face);
+    }
+    for (std::string& name : split(allFormerNames[r]))
+    {
+      namesOfFaces.push_back(std::move(name));
+    }
+    const std::vector<std::string> typesOfNames = split(allTypes[r]);
+    for (std::size_t n = 0; n + 1 < typesOfNames.size(); n += 2)
+    {
+      collector.types().emplace(typesOfNames[n], typesOfNames[n + 1]);
     }
     firstCell += allSizes[r][0];
   }
+  collector.nameFormerFaces(faces, namesOfFaces);
   mesh.points = GridView(collector.points().data(), { static_cast<int>(collector.points().size() / 3), 1, 1 });
 }
 
@@ -810,7 +940,7 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* given, vtkDataObject* surfaces, con
   const bool several = ranks.size() > 1;
   if (several)
   {
-    gatherMesh(mesh, collector, ranks);
+    gatherMesh(mesh, collector, run);
   }
   collector.finish();
   if (!several)
@@ -826,6 +956,10 @@ HexMeshReport hexMeshToBlocks(vtkDataObject* given, vtkDataObject* surfaces, con
     mesh.pointName = [&](
                        Index point) { return several ? "point " + std::to_string(point) : collector.pointName(point); };
     BaseComplex complex = baseComplex(mesh, options.complex, part(0.1, 0.8));
+    if (complex.boundaryNames != mesh.boundaryNames)
+    {
+      mesh.boundaryTypes.clear(); // new names were made of angles
+    }
     std::vector<HexId>().swap(mesh.corners);
 
     const auto pointArrays = several ? std::vector<std::string>() : commonArrays(collector.leaves(), pointData);

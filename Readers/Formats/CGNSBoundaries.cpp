@@ -84,6 +84,20 @@ void addRange(const StructuredZone& zone, const std::vector<cgsize_t>& points, C
       " is not that of faces on one side of the zone");
     return;
   }
+  for (int d = 0; d < 3 && at.normal >= 0; ++d)
+  {
+    const cgsize_t last = counts[d] - (d != at.normal || at.cells ? 1 : 0);
+    if (range[d] < 1 || range[3 + d] > last)
+    {
+      input.leaveOut("the range " + toString(range) + " at " + cg_GridLocationName(location) + " leaves the " +
+        std::to_string(last) +
+        (at.cells            ? " cells"
+            : d == at.normal ? " layers of faces"
+                             : " faces") +
+        " of the zone along " + "ijk"[d] + (range[3 + d] == counts[d] ? ", as if it counted points" : ""));
+      return;
+    }
+  }
   for (int d = 0; d < 3; ++d)
   {
     if (d == at.normal)

@@ -62,7 +62,7 @@ Condition readCondition(Input& input, int number, const std::string& zone)
   return result;
 }
 
-void readPoints(const Input& input, const Families& families, int number, int size, Condition& condition)
+void readPoints(Input& input, const Families& families, int number, int size, Condition& condition)
 {
   condition.location = CGNS_ENUMV(Vertex);
   input.check(cg_boco_gridlocation_read(input.file, input.base, input.zone, number, &condition.location), "location");
@@ -74,6 +74,7 @@ void readPoints(const Input& input, const Families& families, int number, int si
 void Families::read(Input& input, const std::string& base)
 {
   this->Base = base;
+  this->Names.clear();
   this->Types.clear();
   this->Parents.clear();
   int families = 0;
@@ -84,6 +85,7 @@ void Families::read(Input& input, const std::string& base)
     int conditions = 0;
     int geometries = 0;
     input.check(cg_family_read(input.file, input.base, f, name.data(), &conditions, &geometries), "family");
+    this->Names.push_back(trimmed(name.data()));
     for (int c = 1; c <= conditions; ++c)
     {
       Name condition{};
@@ -137,8 +139,24 @@ void Families::readNested([[maybe_unused]] const Input& input, [[maybe_unused]] 
 #endif
 }
 
-BoundaryLabel Families::label(
-  const Input& input, const std::string& own, CGNS_ENUMT(BCType_t) ownType, int condition) const
+void Families::tellUnknown(Input& input, const std::string& family) const
+{
+  const auto lower = [](std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
+  };
+  // Families within families are not known to all versions of the library.
+  if (family.find('/') == std::string::npos &&
+    std::find(this->Names.begin(), this->Names.end(), family) == this->Names.end())
+  {
+    const auto alike = std::find_if(
+      this->Names.begin(), this->Names.end(), [&](const std::string& name) { return lower(name) == lower(family); });
+    input.left.add("families that the file does not have, so that their boundaries have no type",
+      input.where.substr(2) + ": '" + family + "'" + (alike == this->Names.end() ? "" : " (it has '" + *alike + "')"));
+  }
+}
+
+BoundaryLabel Families::label(Input& input, const std::string& own, CGNS_ENUMT(BCType_t) ownType, int condition) const
 {
   CGNS_ENUMT(BCType_t) type = ownType;
   std::string name = trimmed(own);
@@ -154,6 +172,10 @@ BoundaryLabel Families::label(
   else if (says(type) && isNumbered(name))
   {
     name = cg_BCTypeName(type);
+  }
+  for (std::size_t f = 0; f < families.size() && ownType == CGNS_ENUMV(FamilySpecified) && !says(type); ++f)
+  {
+    this->tellUnknown(input, families[f]);
   }
   return { validUTF8(name), says(type) ? cg_BCTypeName(type) : UnknownBoundaryType };
 }

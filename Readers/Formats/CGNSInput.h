@@ -121,16 +121,18 @@ public:
   void read(Input& input, const std::string& base);
 
   /// Its name is that of its (first) family, or its own one if that is more than a number; its type is its own one, or
-  /// else that of its family.
-  BoundaryLabel label(const Input& input, const std::string& own, CGNS_ENUMT(BCType_t) ownType, int condition) const;
+  /// else that of its family. Says if the file has no such family.
+  BoundaryLabel label(Input& input, const std::string& own, CGNS_ENUMT(BCType_t) ownType, int condition) const;
 
 private:
   void readNested(const Input& input, const std::string& path, const std::string& family, int depth);
   std::vector<std::string> ofCondition(const Input& input, int condition) const;
   CGNS_ENUMT(BCType_t) typeOf(const std::string& family, int depth = 0) const;
   std::string pathOf(const std::string& name) const;
+  void tellUnknown(Input& input, const std::string& family) const;
 
   std::string Base;
+  std::vector<std::string> Names;
   /// By their path from the base.
   std::map<std::string, CGNS_ENUMT(BCType_t)> Types;
   std::map<std::string, std::vector<std::string>> Parents;
@@ -152,7 +154,7 @@ struct Condition
 /// Messages are about this condition from here on.
 Condition readCondition(Input& input, int number, const std::string& zone);
 /// @param size numbers per point
-void readPoints(const Input& input, const Families& families, int number, int size, Condition& condition);
+void readPoints(Input& input, const Families& families, int number, int size, Condition& condition);
 
 //----------------------------------------------------------------------------------------------------------------------
 

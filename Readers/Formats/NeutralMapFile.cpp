@@ -88,6 +88,12 @@ bool isInteger(const std::string& word)
   return failure == std::errc() && end == word.data() + word.size();
 }
 
+bool isFlag(const std::string& word)
+{
+  const char* const flags[] = { "true", "t", "yes", "y", "false", "f", "no", "n" };
+  return std::find(std::begin(flags), std::end(flags), kind(word)) != std::end(flags);
+}
+
 /// Our face number per that of the file less one.
 constexpr int Face[6] = { 4, 5, 0, 1, 2, 3 };
 
@@ -313,7 +319,7 @@ private:
         this->fail("the type '" + this->Words[0].substr(0, 40) +
           "' is followed by two sides; only ONE_TO_ONE and PERIODIC have two of them");
       }
-      this->readBoundary(trimmed(this->Words[0]), 1);
+      this->readBoundary(this->boundaryName(), 1);
       if (twoSides)
       {
         this->readBoundary(trimmed(this->Words[0]), 7);
@@ -337,6 +343,19 @@ private:
       return;
     }
     this->located([&] { this->Declared.addContact(faceContact(a, b, swapped), this->where()); });
+  }
+
+  /// What stands behind the range of a boundary names it, unless it is a flag or a number; else its type does.
+  std::string boundaryName() const
+  {
+    constexpr std::size_t Behind = 7;
+    std::string name;
+    for (std::size_t word = Behind; word < this->Words.size(); ++word)
+    {
+      name += (name.empty() ? "" : " ") + this->Words[word];
+    }
+    name = trimmed(name);
+    return name.empty() || isInteger(this->Words[Behind]) || isFlag(name) ? trimmed(this->Words[0]) : name;
   }
 
   /// Makes one word of a type of several words without quotation marks.
@@ -372,7 +391,7 @@ private:
       this->Left.add("boundaries left out", error.what());
       return;
     }
-    this->Declared.addBoundary(range, name, boundaryTypeOfName(name), this->here());
+    this->Declared.addBoundary(range, name, boundaryTypeOfName(trimmed(this->Words[0])), this->here());
   }
 
   std::string FileName;

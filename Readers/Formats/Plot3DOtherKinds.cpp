@@ -24,6 +24,8 @@ struct OtherKind
   std::vector<Index> (*records)(const std::vector<Index>& counts);
   /// Whether it has the size of a grid in whole format, so that only its records tell.
   bool onlyInRecords = false;
+  /// Whether an integer per point (iblank) may follow the reals of a block.
+  bool mayBeBlanked = false;
 };
 
 /// Of the first counts.
@@ -42,7 +44,7 @@ const std::vector<OtherKind>& otherKinds()
   using Counts = std::vector<Index>;
   static const std::vector<OtherKind> kinds = {
     { 2, "a two-dimensional grid (2 counts per block); hexahedra need a three-dimensional one",
-      [](const Counts& n) { return Counts{ saturatingProduct(2, product(n, 2)) }; } },
+      [](const Counts& n) { return Counts{ saturatingProduct(2, product(n, 2)) }; }, false, true },
     { 3, "a PLOT3D solution file (4 flow conditions and 5 values a point), not a grid",
       [](const Counts& n) {
         return Counts{ 4, saturatingProduct(5, product(n, 3)) };
@@ -92,6 +94,7 @@ bool explains(const OtherKind& kind, ListReader& reader, bool multiBlock, Index 
 {
   const int blocks = multiBlock ? reader.integer() : 1;
   Index sum = saturatingSum(multiBlock ? 1 : 0, saturatingProduct(kind.counts, blocks));
+  Index blanks = 0;
   if (blocks < 1 || sum >= values)
   {
     return false;
@@ -115,8 +118,81 @@ bool explains(const OtherKind& kind, ListReader& reader, bool multiBlock, Index 
     {
       return false;
     }
+    blanks = saturatingSum(blanks, product(counts, 2));
   }
-  return sum == values;
+  return sum == values || (kind.mayBeBlanked && saturatingSum(sum, blanks) == values);
+}
+
+/// Whether the counts of each block stand before its points. @param bytes of the file: it has no more blocks
+bool hasHeadersInBetween(ListReader& reader, bool multiBlock, Index values, Index bytes)
+{
+  const Index blocks = multiBlock ? reader.integer() : bytes;
+  Index left = values - (multiBlock ? 1 : 0);
+  Index found = 0;
+  for (; found < std::min(blocks, bytes) && left > 0; ++found)
+  {
+    Index points = 1;
+    for (int d = 0; d < 3; ++d)
+    {
+      points = saturatingProduct(points, std::max(0, reader.integer()));
+    }
+    left -= 3;
+    if (points < 1 || saturatingProduct(3, points) > left)
+    {
+      return false;
+    }
+    reader.skip(3 * points);
+    left -= 3 * points;
+  }
+  return left == 0 && found > 1 && (!multiBlock || found == blocks);
+}
+
+/// Whether the numbers of variables and of species follow the counts of all blocks, and each block is a record of flow
+/// conditions, which depend on the version, and one of values.
+bool isOverflowSolution(InputFile& file, const Plot3DLayout& layout)
+{
+  const Index marker = markerSize(layout);
+  const Index size = layout.integerSize;
+  const Index real = layout.realType == RealType::Float ? 4 : 8;
+  Index offset = 0;
+  const auto isRecordOf = [&](Index bytes) {
+    return bytes > 0 && bytes <= file.size() - offset - 2 * marker && isRecord(file, layout, offset, bytes);
+  };
+  if (marker == 0 || (layout.multiBlock && !isRecordOf(size)))
+  {
+    return false;
+  }
+  const Index blocks = layout.multiBlock ? readIntegers(file, marker, 1, layout)[0] : 1;
+  offset = layout.multiBlock ? size + 2 * marker : 0;
+  if (blocks < 1 || blocks > file.size() / (3 * size) || !isRecordOf(size * (3 * blocks + 2)))
+  {
+    return false;
+  }
+  const std::vector<Index> header = readIntegers(file, offset + marker, 3 * blocks + 2, layout);
+  const Index variables = header[3 * blocks];
+  if (std::any_of(header.begin(), header.end() - 2, [](Index count) { return count < 1; }) || variables < 1)
+  {
+    return false;
+  }
+  offset += size * (3 * blocks + 2) + 2 * marker;
+  for (Index b = 0; b < blocks; ++b)
+  {
+    constexpr Index MostConditions = 4096;
+    const Index conditions = offset + marker > file.size() ? 0 : readMarker(file, offset, marker, layout.byteOrder);
+    if (conditions > MostConditions || !isRecordOf(conditions))
+    {
+      return false;
+    }
+    offset += conditions + 2 * marker;
+    const std::vector<Index> counts(header.begin() + 3 * b, header.begin() + 3 * b + 3);
+    const Index bytes = saturatingProduct(saturatingProduct(product(counts, 3), variables), real);
+    if (!isRecordOf(bytes))
+    {
+      return false;
+    }
+    offset += bytes + 2 * marker;
+  }
+  return offset == file.size();
 }
 
 /// Whether the counts of the blocks and the records that they promise explain the file.
@@ -211,26 +287,37 @@ void refuseEncodings(InputFile& file)
 
 std::string otherKindOfText(InputFile& file, Index values, const Execution& run)
 {
+  const auto holds = [&](const auto& explanation) {
+    try
+    {
+      ListReader reader(file, run);
+      return explanation(reader);
+    }
+    catch (const Aborted&)
+    {
+      throw;
+    }
+    catch (const Error&)
+    {
+      return false;
+    }
+  };
   for (const OtherKind& kind : otherKinds())
   {
     for (const bool multiBlock : { true, false })
     {
-      try
+      if (!kind.onlyInRecords && holds([&](ListReader& reader) { return explains(kind, reader, multiBlock, values); }))
       {
-        ListReader reader(file, run);
-        if (!kind.onlyInRecords && explains(kind, reader, multiBlock, values))
-        {
-          return std::string("the file is ") + kind.text;
-        }
+        return std::string("the file is ") + kind.text;
       }
-      catch (const Aborted&)
-      {
-        throw;
-      }
-      catch (const Error&)
-      {
-        // Not this one.
-      }
+    }
+  }
+  for (const bool multiBlock : { true, false })
+  {
+    if (holds([&](ListReader& reader) { return hasHeadersInBetween(reader, multiBlock, values, file.size()); }))
+    {
+      return "the file has the counts of each block before its points; PLOT3D has those of all blocks before the first "
+             "point";
     }
   }
   return {};
@@ -238,23 +325,35 @@ std::string otherKindOfText(InputFile& file, Index values, const Execution& run)
 
 std::string otherKindOfBinary(InputFile& file, bool records)
 {
+  std::vector<Plot3DLayout> layouts;
+  for (const Plot3DFormat format : { Plot3DFormat::Fortran, Plot3DFormat::Fortran64, Plot3DFormat::Binary })
+  {
+    for (int bits = 0; bits < 16; ++bits)
+    {
+      Plot3DLayout layout;
+      layout.format = format;
+      layout.byteOrder = bits & 1 ? ByteOrder::BigEndian : ByteOrder::LittleEndian;
+      layout.multiBlock = (bits & 2) == 0;
+      layout.integerSize = bits & 4 ? 8 : 4;
+      layout.realType = bits & 8 ? RealType::Double : RealType::Float;
+      layouts.push_back(layout);
+    }
+  }
+  // Records that fit are no coincidence, a size that fits may be one.
+  if (std::any_of(
+        layouts.begin(), layouts.end(), [&](const Plot3DLayout& layout) { return isOverflowSolution(file, layout); }))
+  {
+    return "the file is a solution file of OVERFLOW (the numbers of variables and species follow the counts of the "
+           "blocks), not a grid";
+  }
   for (const OtherKind& kind : otherKinds())
   {
-    for (const Plot3DFormat format : { Plot3DFormat::Fortran, Plot3DFormat::Fortran64, Plot3DFormat::Binary })
+    for (const Plot3DLayout& layout : layouts)
     {
-      for (int bits = 0; bits < 16; ++bits)
+      const bool seen = markerSize(layout) != 0 || !(records || kind.onlyInRecords);
+      if (seen && explains(kind, file, layout))
       {
-        Plot3DLayout layout;
-        layout.format = format;
-        layout.byteOrder = bits & 1 ? ByteOrder::BigEndian : ByteOrder::LittleEndian;
-        layout.multiBlock = (bits & 2) == 0;
-        layout.integerSize = bits & 4 ? 8 : 4;
-        layout.realType = bits & 8 ? RealType::Double : RealType::Float;
-        const bool seen = markerSize(layout) != 0 || !(records || kind.onlyInRecords);
-        if (seen && explains(kind, file, layout))
-        {
-          return std::string("the file is ") + kind.text;
-        }
+        return std::string("the file is ") + kind.text;
       }
     }
   }

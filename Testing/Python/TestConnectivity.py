@@ -314,6 +314,41 @@ def test_filters_that_make_it_unstructured():
     assert {name for name, faces in roles(report).items() if faces} == {"inlet", "wall below", "symmetry"}, report
 
 
+def test_cells_without_a_named_face():
+    # Boundaries have names and types, but none is left: the new ones have no type of the old.
+    for low, size in (((8.5, 1.5, 1.2), (6.0, 3.5, 2.2)), ((2.5, 1.5, 1.2), (20.0, 2.0, 1.9))):
+        inner = simple.ExtractCellsByRegion(Input=simple.MergeBlocks(Input=read()))
+        inner.IntersectWith = "Box"
+        inner.IntersectWith.Position = low
+        inner.IntersectWith.Length = size
+        data, report, _ = convert(inner)
+        assert len(blocks(data)) > 0 and "body" not in "".join(
+            line for line in report.split("\n") if line.startswith("boundary ")), report
+        assert not set(roles(report)) & {"inlet", "outlet", "wall below", "symmetry"}, report
+        counted = len([name for name in roles(report) if name.startswith("boundary ")])
+        assert "%d boundaries were made" % counted in report, report
+
+
+def test_names_that_are_lost_are_said():
+    # Without the numbers of their points nothing tells where the boundaries of unstructured cells were.
+    volume = simple.CatmullClarkToBSplineVolume(Input=read())
+    samples = simple.BSplineVolumeSampler(Input=volume, Level=0)
+    for source in (simple.PassArrays(Input=read(), PointDataArrays=["nothing"]), samples):
+        _, report, warnings = convert(simple.MergeBlocks(Input=source))
+        assert len(warnings) == 1 and "'wall below'" in warnings[0] and "is lost" in warnings[0], warnings
+        assert "wall below" not in roles(report)
+
+
+def test_control_points_made_unstructured_are_no_mesh():
+    volume = simple.CatmullClarkToBSplineVolume(Input=read())
+    for made in (simple.MergeBlocks(Input=volume),
+                 simple.Threshold(Input=volume, Scalars=["POINTS", "ControlPointRule"], LowerThreshold=0,
+                                  UpperThreshold=100)):
+        for reader in (simple.CatmullClarkToBSplineVolume, simple.HexMeshToBlocks, simple.HexBlockTopology):
+            error = failure(reader(Input=made))
+            assert "control points of a B-spline volume" in error, error
+
+
 def test_files_of_paraview():
     # Saved and read back, the blocks still know their names and contacts.
     source = read()

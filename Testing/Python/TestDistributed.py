@@ -240,6 +240,38 @@ def test_wall_spacing():
         assert found.GetYPlusRange() == serial.GetYPlusRange()
 
 
+def unstructured(mesh):
+    """What Threshold makes of the blocks here: grids of hexahedra that know where their points were."""
+    result = vtk.vtkPartitionedDataSetCollection()
+    result.SetNumberOfPartitionedDataSets(mesh.GetNumberOfPartitionedDataSets())
+    for b, block in enumerate(blocks(mesh)):
+        if block is not None:
+            append = vtk.vtkAppendFilter()
+            append.AddInputData(block)
+            append.Update()
+            result.SetPartition(b, 0, append.GetOutput())
+    result.GetFieldData().ShallowCopy(mesh.GetFieldData())
+    return result
+
+
+def test_blocks_that_became_unstructured_keep_their_names():
+    def faces(convert):
+        return sorted(line for line in convert.GetReport().split("\n") if line.endswith(" faces"))
+
+    def made(convert):
+        return [line for line in convert.GetReport().split("\n") if "Hex Mesh To Blocks" in line]
+
+    whole = demo()
+    with Alone():
+        serial = converted(unstructured(whole))
+    assert any(": body" in line for line in faces(serial)) and made(serial), serial.GetReport()
+    for rank_of in distributions(11):
+        found = converted(unstructured(part(whole, rank_of)))
+        # The cells come in another order, and so may the blocks.
+        assert faces(found) == faces(serial), (faces(found), faces(serial))
+        assert made(found) == made(serial), found.GetReport()
+
+
 def once(name, text):
     """Whether a message names a block, and only once."""
     return text.count("'%s'" % name) + text.count('"%s"' % name) == 1

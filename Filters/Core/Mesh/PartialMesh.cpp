@@ -22,6 +22,8 @@ PartialMesh::PartialMesh(const BlockMesh& mesh, const Ranks& ranks)
   this->Known.boundaries = mesh.boundaries;
   this->Known.boundaryNames = mesh.boundaryNames;
   this->Known.boundaryTypes = mesh.boundaryTypes;
+  this->Known.notes = mesh.notes;
+  this->Known.warnings = mesh.warnings;
   this->Known.creases = mesh.creases;
 }
 

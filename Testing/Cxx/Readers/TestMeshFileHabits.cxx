@@ -749,6 +749,51 @@ TEST(MeshFileHabits, FamiliesWithinFamiliesHaveTypes)
       { "tail", "BCWallViscous" }, { "colour", "BCFarfield" }, { "sky", "BCFarfield" } }));
 }
 
+TEST(MeshFileHabits, FamiliesThatAreNotThereAreNamed)
+{
+  TemporaryFolder folder;
+  const auto specified = CGNS_ENUMV(FamilySpecified);
+  writeChanged(twoBlocks(), folder / "mesh.cgns", [&](int file) {
+    family(file, "Wing", CGNS_ENUMV(BCWall));
+    condition(file, 1, "a", specified, { 1, 1, 1, 5, 4, 1 }, "Wing");
+    condition(file, 2, "b", specified, { 1, 1, 1, 4, 4, 1 }, "WING");
+    condition(file, 1, "c", specified, { 1, 1, 3, 5, 4, 3 }, "tail");
+    // It has a type of its own.
+    condition(file, 2, "d", CGNS_ENUMV(BCFarfield), { 1, 1, 3, 4, 4, 3 }, "sky");
+  });
+  const Result found = readMesh(folder / "mesh.cgns");
+  ASSERT_EQ(found.warnings.size(), 1u);
+  EXPECT_TRUE(mentions(found.warnings, { "'b': 'WING' (it has 'Wing')", "'c': 'tail'" })) << found.warnings[0];
+  EXPECT_EQ(found.warnings[0].find("sky"), std::string::npos) << found.warnings[0];
+  EXPECT_EQ(found.mesh.boundaryNames.size(), 4u);
+}
+
+TEST(MeshFileHabits, FacesBeyondTheZoneAreSaidAsTheFileHasThem)
+{
+  TemporaryFolder folder;
+  // Zone 1 has 5 x 4 x 3 points, and so 4 x 3 faces along i and j.
+  writeChanged(twoBlocks(), folder / "mesh.cgns", [&](int file) {
+    for (const auto& [name, points] : { std::pair("points", std::vector<cgsize_t>{ 1, 1, 1, 5, 4, 1 }),
+           std::pair("zero", std::vector<cgsize_t>{ 0, 1, 1, 3, 3, 1 }) })
+    {
+      condition(file, 1, name, CGNS_ENUMV(BCWall), points);
+    }
+    for (const int number : { 1, 2 })
+    {
+      require(cg_goto(file, 1, "Zone_t", 1, "ZoneBC_t", 1, "BC_t", number, "end"));
+      require(cg_gridlocation_write(CGNS_ENUMV(KFaceCenter)));
+    }
+  });
+  const Result found = readMesh(folder / "mesh.cgns");
+  ASSERT_EQ(found.warnings.size(), 1u);
+  EXPECT_TRUE(mentions(found.warnings,
+    { "'points': the range (1, 1, 1) to (5, 4, 1) at KFaceCenter leaves the 4 faces of the zone along i, as if it "
+      "counted points",
+      "'zero': the range (0, 1, 1) to (3, 3, 1)" }))
+    << found.warnings[0];
+  EXPECT_TRUE(found.mesh.boundaries.empty());
+}
+
 TEST(MeshFileHabits, TransformsThatSayNoMoreThanNeeded)
 {
   TemporaryFolder folder;
@@ -1228,6 +1273,31 @@ TEST(MeshFileHabits, NeutralMapsWithoutSwapFlags)
     std::count_if(complex.faces.begin(), complex.faces.end(), [](const auto& f) { return f.uses.size() == 2; }), 1);
 }
 
+TEST(MeshFileHabits, NamesBehindBoundariesOfNeutralMaps)
+{
+  TemporaryFolder folder;
+  const MeshCase mesh = twoBlocks();
+  writeFile(folder / "mesh.xyz", plot3D(mesh, {}));
+  const std::string contacts = neutralMap(mesh);
+  // Two boundaries of one type, with what may stand behind their ranges.
+  const auto read = [&](const std::string& first, const std::string& second) {
+    writeFile(
+      folder / "mesh.nmf", contacts + "viscous 1 1 1 5 1 4 " + first + "\nviscous 2 1 1 4 1 4 " + second + "\n");
+    const Result found = readMesh(folder / "mesh.xyz");
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+    EXPECT_EQ(found.mesh.boundaryTypes, std::vector<std::string>(found.mesh.boundaryNames.size(), "BCWallViscous"));
+    return found.mesh.boundaryNames;
+  };
+  const std::vector<std::string> both{ "wing", "my fuselage" };
+  EXPECT_EQ(read("wing", "my fuselage"), both);
+  EXPECT_EQ(read("'wing'", "'my fuselage'  # the rest"), both);
+  // Flags, numbers and comments are no names.
+  for (const char* other : { "", "FALSE", "# wing", "0", "0 0 FALSE" })
+  {
+    EXPECT_EQ(read(other, other), std::vector<std::string>{ "viscous" }) << other;
+  }
+}
+
 TEST(MeshFileHabits, PeriodicSidesOfNeutralMapsAreBoundaries)
 {
   TemporaryFolder folder;
@@ -1383,6 +1453,41 @@ TEST(MeshFileHabits, OtherPlot3DFilesAreNamed)
     {
       EXPECT_NE(refusal(folder / name).find(kind.word), std::string::npos) << name;
     }
+  }
+}
+
+TEST(MeshFileHabits, OtherGridsAndSolutionsAreNamed)
+{
+  TemporaryFolder folder;
+  // Two-dimensional grids with iblank, of one block and of two.
+  const std::vector<double> blanks(20, 1.0);
+  const auto joined = [](std::vector<double> a, const std::vector<double>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+  };
+  const std::vector<double> block = joined(someValues(40), blanks);
+  writeFile(folder / "one.x", textOf({ 5, 4 }, block));
+  writeFile(folder / "two.x", textOf({ 2, 5, 4, 4, 5 }, joined(block, block)));
+  for (const char* name : { "one.x", "two.x" })
+  {
+    EXPECT_NE(refusal(folder / name).find("two-dimensional grid"), std::string::npos) << refusal(folder / name);
+  }
+  // The counts of each block before its points, with and without the number of blocks.
+  const std::string blocks = textOf({ 3, 4, 2 }, someValues(72)) + textOf({ 2, 3, 2 }, someValues(36));
+  writeFile(folder / "counted.x", "2\n" + blocks);
+  writeFile(folder / "uncounted.x", blocks);
+  for (const char* name : { "counted.x", "uncounted.x" })
+  {
+    EXPECT_NE(refusal(folder / name).find("counts of each block before its points"), std::string::npos)
+      << refusal(folder / name);
+  }
+  // OVERFLOW: 6 variables and no species; 13 or 16 flow conditions.
+  const auto solution = [](int conditions) { return record({}, someValues(conditions)) + record({}, someValues(180)); };
+  writeFile(folder / "one.q", record({ 5, 3, 2, 6, 0 }, {}) + solution(16));
+  writeFile(folder / "two.q", record({ 2 }, {}) + record({ 5, 3, 2, 2, 3, 5, 6, 0 }, {}) + solution(13) + solution(13));
+  for (const char* name : { "one.q", "two.q" })
+  {
+    EXPECT_NE(refusal(folder / name).find("solution file of OVERFLOW"), std::string::npos) << refusal(folder / name);
   }
 }
 
