@@ -8,6 +8,8 @@
 /// Bezier points. A query visits the cells of a bounding volume tree in the order of their least possible distance,
 /// skips those that cannot hold a foot point because a tangent direction never becomes normal to the connecting vector,
 /// and runs a safeguarded Newton iteration on the exact surface or edge in the others, until no cell can be closer.
+/// Then it looks at parts of the cells where the distance may have several minima, as far as these can be closer than
+/// what was found.
 ///
 /// A result depends on the query and the body alone: not on threads, nor on other queries.
 #pragma once
