@@ -14,6 +14,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::parse([&] { bsv::checkSTEPText(text, "input"); });
   fuzz::parse([&] { bsv::checkIGESText(text, "input"); });
   fuzz::parse([&] { bsv::checkBREPText(text, "input"); });
+  for (const char* format : { "STEP", "IGES", "BREP" })
+  {
+    bsv::plainCADText(text, format);
+  }
   bsv::formatOfNURBSFile(fuzz::fileWith(data, size));
   return 0;
 }

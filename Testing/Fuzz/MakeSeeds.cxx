@@ -90,6 +90,52 @@ void g2()
     "700 1 0 0\n3 0\n" + knots + knots + knots + "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n");
 }
 
+/// Two patches of degree 2 side by side, in a space: all degrees of freedom of edges, faces and insides count. The
+/// second patch begins at another of its corners, so that the points of the shared face are numbered otherwise.
+std::string twoPatchSpace(const std::string& second, int version, const std::string& spacing)
+{
+  std::ostringstream text;
+  text << "MFEM NURBS mesh v1." << version << "\n\ndimension\n3\n\nelements\n2\n1 5 0 1 4 3 6 7 10 9\n1 5 " << second
+       << "\n\nboundary\n1\n1 3 0 3 4 1\n\nedges\n20\n";
+  const auto vertex = [](int i, int j, int k) { return i + 3 * (j + 2 * k); };
+  for (int k = 0; k < 2; ++k)
+  {
+    for (int j = 0; j < 2; ++j)
+    {
+      text << "0 " << vertex(0, j, k) << ' ' << vertex(1, j, k) << "\n3 " << vertex(1, j, k) << ' ' << vertex(2, j, k)
+           << '\n';
+    }
+    for (int i = 0; i < 3; ++i)
+    {
+      text << "1 " << vertex(i, 0, k) << ' ' << vertex(i, 1, k) << '\n';
+    }
+  }
+  for (int n = 0; n < 6; ++n)
+  {
+    text << "2 " << n << ' ' << n + 6 << '\n';
+  }
+  text << "\nvertices\n12\n\n"
+       << "knotvectors\n4\n";
+  for (int n = 0; n < 4; ++n)
+  {
+    text << "2 4 0 0 0 1 2 2 2\n";
+  }
+  text << spacing;
+  // Points: 12 + 2 on each edge + 4 on each face + 8 in each patch.
+  constexpr int Points = 12 + 2 * 20 + 4 * 11 + 8 * 2;
+  text << "\nweights\n";
+  for (int n = 0; n < Points; ++n)
+  {
+    text << "1\n";
+  }
+  text << "\nFiniteElementSpace\nFiniteElementCollection: NURBS2\nVDim: 3\nOrdering: 1\n\n";
+  for (int n = 0; n < Points; ++n)
+  {
+    text << n << ' ' << n * n % 7 << " 0.5\n";
+  }
+  return text.str();
+}
+
 void mfem()
 {
   const std::string topology = "MFEM NURBS mesh v1.0\n\n# comment\ndimension\n3\n\nelements\n1\n1 5 0 1 2 3 4 5 6 7\n\n"
@@ -110,6 +156,9 @@ void mfem()
       "knotvectors\n3\n1 2 0 0 1 1\n1 2 0 0 1 1\n1 2 0 0 1 1\n\nweights\n1\n1\n1\n1\n1\n1\n1\n1\n\n"
       "FiniteElementSpace\nFiniteElementCollection: NURBS1\nVDim: 3\nOrdering: 1\n\n"
       "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n");
+  write("MFEM", "twoPatches", twoPatchSpace("1 2 5 4 7 8 11 10", 0, ""));
+  write("MFEM", "turnedPatch", twoPatchSpace("11 10 7 8 5 4 1 2", 0, ""));
+  write("MFEM", "spacing", twoPatchSpace("4 1 2 5 10 7 8 11", 1, "\nspacing\n1\n0 1 2 1 3 5 2.5\n"));
 }
 
 /// Eighty columns with section and number.

@@ -190,7 +190,7 @@ TEST(ClosestPoint, PointsNextToTheBodyFindIt)
         const int span = surface.degree[d] + part(random) % (surface.count(d) - surface.degree[d]);
         return knots[span] + part(random) / 32.0 * (knots[span + 1] - knots[span]);
       };
-      for (int n = 0; n < 2000; ++n)
+      for (int n = 0; n < 400; ++n)
       {
         const SurfaceGeometry at = surfaceGeometry(surface, anywhere(0), anywhere(1));
         for (const double above : { 0.0, 1e-9, 1e-6, 1e-3 })
