@@ -2,6 +2,7 @@
 #include "Formats/CGNSTree.h"
 
 #include "Base/Types.h"
+#include "Base/UTF8.h"
 
 #include <vtk_cgns.h>
 // clang-format off
@@ -221,6 +222,28 @@ private:
     }
   }
 
+  /// Names what a link leads to that is not there, which the library does not.
+  void checkLink(double node, const std::string& path) const
+  {
+    std::array<char, 1024> text{};
+    int fileLength = 0;
+    int nameLength = 0;
+    constexpr int Longest = 1 << 16;
+    if (cgio_get_label(this->File, node, text.data()) == CGIO_ERR_NONE ||
+      cgio_link_size(this->File, node, &fileLength, &nameLength) != CGIO_ERR_NONE || fileLength < 0 || nameLength < 0 ||
+      fileLength > Longest || nameLength > Longest)
+    {
+      return;
+    }
+    std::vector<char> file(fileLength + 1, 0);
+    std::vector<char> name(nameLength + 1, 0);
+    this->check(cgio_get_link(this->File, node, file.data(), name.data()), path);
+    this->fail(path,
+      "the node is a link to " + validUTF8(name.data()) +
+        (fileLength > 0 ? " of the file '" + validUTF8(file.data()) + "'" : "") +
+        ", which cannot be found; links without a folder begin at the file itself");
+  }
+
   void checkNode(double node, const std::string& path, int depth)
   {
     int link = 0;
@@ -231,6 +254,7 @@ private:
     }
     if (link > 0)
     {
+      this->checkLink(node, path);
       return;
     }
     std::array<char, 1024> text{};

@@ -239,6 +239,38 @@ TEST(MeshFileHabits, NodesThatTheLibraryDoesNotSeeAreAnError)
     << reading.errors[0];
 }
 
+TEST(MeshFileHabits, LinksToOtherFiles)
+{
+  for (const int type : { CG_FILE_HDF5, CG_FILE_ADF })
+  {
+    SCOPED_TRACE(type);
+    TemporaryFolder folder;
+    // As solvers write their results: the grid stays in its own file.
+    writeCGNS(twoBlocks(), folder / "grid.cgns", { type });
+    require(cg_set_file_type(type));
+    int file = 0;
+    require(cg_open((folder / "solution.cgns").c_str(), CG_MODE_WRITE, &file));
+    int id = 0;
+    require(cg_base_write(file, "Base", 3, 3, &id));
+    require(cg_goto(file, 1, "end"));
+    for (const char* zone : { "zone 1", "zone 2" })
+    {
+      require(cg_link_write(zone, "grid.cgns", (std::string("/Base/") + zone).c_str()));
+    }
+    require(cg_close(file));
+    const Result expected = readMesh(folder / "grid.cgns");
+    const Result found = readMesh(folder / "solution.cgns");
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+    EXPECT_EQ(found.mesh.interfaces.size(), expected.mesh.interfaces.size());
+    // The grid has gone.
+    std::filesystem::rename(folder / "grid.cgns", folder / "elsewhere.cgns");
+    const std::string error = refusal(folder / "solution.cgns");
+    EXPECT_NE(
+      error.find("node /Base/zone 1: the node is a link to /Base/zone 1 of the file 'grid.cgns'"), std::string::npos)
+      << error;
+  }
+}
+
 TEST(MeshFileHabits, SomeZonesOfAMeshAreAMesh)
 {
   TemporaryFolder folder;
