@@ -32,6 +32,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <sstream>
 
 namespace
 {
@@ -123,8 +124,11 @@ public:
     const bsv::EntityClasses classes = bsv::classifyEntities(result.complex);
     this->setCounts(result, classes);
     this->Self.ReceivedBytes = received[this->Ranks.rank()];
+    const bsv::BodyDistance distance = this->Options.body
+      ? bsv::wallDistance(result, this->Options, *this->Options.body, this->execution(end, end))
+      : bsv::BodyDistance{};
     std::string text;
-    for (const std::string& line : this->verdictLines(output, result))
+    for (const std::string& line : this->verdictLines(output, result, distance))
     {
       text += line + '\n';
     }
@@ -136,7 +140,7 @@ public:
       (creaseText.empty() ? "" : creaseText + '\n') + bsv::shareText(result.shares) +
       bsv::motionText(result.motion, result.wallPoints.onBody) + bsv::spanText(complex, this->Options, counts.spans) +
       bsv::rankText(complex, received);
-    this->warn(result, creaseText);
+    this->warn(result, distance, creaseText);
   }
 
 private:
@@ -451,7 +455,10 @@ private:
     this->Self.NumberOfUndecidedSpans = counts.spans.undecided;
   }
 
-  std::vector<std::string> verdictLines(vtkPartitionedDataSetCollection* output, const bsv::ConvertedMesh& result) const
+  /// @param distance of the wall from the body at knots and between them: interpolation can overshoot where spacing
+  /// changes
+  std::vector<std::string> verdictLines(
+    vtkPartitionedDataSetCollection* output, const bsv::ConvertedMesh& result, const bsv::BodyDistance& distance) const
   {
     const bsv::ConversionReport& counts = result.counts;
     std::vector<bool> wall;
@@ -468,10 +475,7 @@ private:
     {
       lines.emplace_back("Watertight: blocks share their control points; joins not measured (Check Joins)");
     }
-    // At knots and between them: interpolation can overshoot where spacing changes.
-    for (std::string& sentence : bsv::wallSentences(result.wallPoints, this->Options.body != nullptr,
-           this->Options.body ? bsv::wallDistance(result, this->Options, *this->Options.body, this->execution(0.8, 0.8))
-                              : bsv::BodyDistance{}))
+    for (std::string& sentence : bsv::wallSentences(result.wallPoints, this->Options.body != nullptr, distance))
     {
       lines.push_back(std::move(sentence));
     }
@@ -494,11 +498,22 @@ private:
     return lines;
   }
 
-  void warn(const bsv::ConvertedMesh& result, const std::string& creaseText) const
+  void warn(const bsv::ConvertedMesh& result, const bsv::BodyDistance& distance, const std::string& creaseText) const
   {
     const bsv::BlockComplex& complex = result.complex;
     const bsv::ConversionReport& counts = result.counts;
     std::vector<std::string> warnings = complex.warnings;
+    // Beyond what coarse cells leave between their points.
+    constexpr double MostEdges = 0.5;
+    if (distance.inEdges > MostEdges)
+    {
+      std::ostringstream text;
+      text.precision(4);
+      text << "the wall is off the body by up to " << distance.largest << ", " << 100.0 * distance.inEdges
+           << " % of a span's side, at " << distance.where.transpose()
+           << ": the mesh does not fit this body there; is the body moved, or of another size or version?";
+      warnings.push_back(text.str());
+    }
     if (!creaseText.empty())
     {
       warnings.push_back(creaseText);

@@ -124,6 +124,10 @@ BodyPatch readPatch(vtkStructuredGrid* grid, const std::string& name, const std:
   BodyPatch patch;
   patch.name = name;
   vtkFieldData* fields = grid->GetFieldData();
+  if (fields->HasArray("KnotsW"))
+  {
+    throw Error(label + ": the Body is a B-spline volume, not a NURBS surface");
+  }
   const std::vector<double> degree = fieldNumbers(fields, "Degree", 1, true, label);
   if (degree.size() != 2)
   {
@@ -385,7 +389,8 @@ std::vector<BodyPatch> bodyPatches(vtkDataObject* input, const Ranks& ranks)
   sharePatches(patches, ranks);
   if (patches.empty())
   {
-    throw Error("the body holds no NURBS patch: no structured grid with the field data array 'Degree'");
+    throw Error("the body holds no NURBS patch: no structured grid with the field data array 'Degree', as those of the "
+                "NURBS Surface Reader have");
   }
   std::vector<BodyPatch> result;
   for (auto& entry : patches)

@@ -281,6 +281,18 @@ def test_wrong_units():
     assert "mirror image of the wall at y = 0 lies on it" in text, text
 
 
+def test_body_that_does_not_fit():
+    # Near enough to be taken, and yet another body: larger by a tenth, or moved by less than its size.
+    for body, fits in ((ellipsoid(), True), (ellipsoid(1.001), True), (ellipsoid(1.15), False),
+                       (ellipsoid(offset=(0.4, 0, 0)), False)):
+        _, warnings = update(conversion(shell(), body, InputPoints="ControlNet"))
+        found = [w for w in warnings if "the mesh does not fit this body there" in w]
+        assert len(found) == (0 if fits else 1), (fits, warnings)
+    # A volume is no body.
+    volume = conversion(shell())
+    assert "is a B-spline volume, not a NURBS surface" in failure(conversion(shell(), volume))
+
+
 def test_errors():
     body = ellipsoid()
     for properties, expected in ((dict(FitTolerance=0), "Fit Tolerance 0 is not between 0 and 1"),
