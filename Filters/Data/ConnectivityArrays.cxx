@@ -4,6 +4,7 @@
 #include "Data/TreeLeaves.h"
 
 #include "Ranks/Ranks.h"
+#include "Ranks/Texts.h"
 
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
@@ -11,7 +12,6 @@
 #include <vtkStringArray.h>
 
 #include <algorithm>
-#include <cstring>
 #include <functional>
 #include <memory>
 
@@ -156,24 +156,19 @@ vtkSmartPointer<vtkFieldData> sharedFields(vtkFieldData* mine, const Ranks& rank
   }
   for (const char* array : BoundaryTexts)
   {
-    // Each text with a zero behind it.
     std::unique_ptr<std::vector<char>> letters;
     if (vtkStringArray* texts = boundaryTexts(mine, array))
     {
-      letters = std::make_unique<std::vector<char>>();
-      for (vtkIdType i = 0; i < texts->GetNumberOfValues(); ++i)
-      {
-        const char* text = texts->GetValue(i).c_str();
-        letters->insert(letters->end(), text, text + std::strlen(text) + 1);
-      }
+      letters = std::make_unique<std::vector<char>>(
+        lettersOf({ texts->GetPointer(0), texts->GetPointer(0) + texts->GetNumberOfValues() }));
     }
     if (const auto all = sharedArray(std::move(letters), array, ranks))
     {
       vtkNew<vtkStringArray> texts;
       texts->SetName(array);
-      for (auto at = all->begin(); at != all->end(); at = std::find(at, all->end(), '\0') + 1)
+      for (const std::string& text : textsOf(*all))
       {
-        texts->InsertNextValue(&*at);
+        texts->InsertNextValue(text);
       }
       fields->AddArray(texts);
     }

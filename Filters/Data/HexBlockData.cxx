@@ -7,6 +7,7 @@
 #include "Data/SurfaceNames.h"
 #include "Data/TreeLeaves.h"
 #include "Execution/FilterExecution.h"
+#include "Ranks/Texts.h"
 
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkCompositeDataSet.h>
@@ -139,17 +140,7 @@ std::vector<NamedLeaf> takeSurfaces(std::vector<Leaf>& leaves, const Ranks& rank
 void shareReport(HexMeshReport& report, const Ranks& ranks)
 {
   const auto share = [&](std::vector<std::string>& sentences) {
-    std::vector<char> letters;
-    for (const std::string& sentence : sentences)
-    {
-      letters.insert(letters.end(), sentence.c_str(), sentence.c_str() + sentence.size() + 1);
-    }
-    const std::vector<char> first = ranks.gather(letters).front();
-    sentences.clear();
-    for (auto at = first.begin(); at != first.end(); at = std::find(at, first.end(), '\0') + 1)
-    {
-      sentences.emplace_back(&*at);
-    }
+    sentences = textsOf(ranks.gather(lettersOf(sentences)).front());
   };
   share(report.notes);
   share(report.warnings);

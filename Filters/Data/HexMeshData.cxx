@@ -11,6 +11,7 @@
 #include "Data/TreeLeaves.h"
 #include "Mesh/BlockSurface.h"
 #include "Ranks/Ranks.h"
+#include "Ranks/Texts.h"
 
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkCellArray.h>
@@ -716,31 +717,15 @@ void gatherMesh(HexMesh& mesh, Collector& collector, const Execution& run)
       collector.cellNumbers().push_back(c);
     }
   }
-  const auto joined = [](const std::vector<std::string>& texts) {
-    std::vector<char> all;
-    for (const std::string& text : texts)
-    {
-      all.insert(all.end(), text.c_str(), text.c_str() + text.size() + 1);
-    }
-    return all;
-  };
-  const auto split = [](const std::vector<char>& all) {
-    std::vector<std::string> texts;
-    for (auto at = all.begin(); at != all.end(); at = std::find(at, all.end(), '\0') + 1)
-    {
-      texts.emplace_back(&*at);
-    }
-    return texts;
-  };
-  std::vector<char> names = joined(collector.quadNames());
-  std::vector<char> formerNames = joined(collector.formerNames());
+  std::vector<char> names = lettersOf(collector.quadNames());
+  std::vector<char> formerNames = lettersOf(collector.formerNames());
   std::vector<NamedQuad> formerFaces = collector.formerFaces(run);
   std::vector<std::string> typeTexts;
   for (const auto& [name, type] : collector.types())
   {
     typeTexts.insert(typeTexts.end(), { name, type });
   }
-  std::vector<char> types = joined(typeTexts);
+  std::vector<char> types = lettersOf(typeTexts);
   std::vector<Index> sizes{ collector.cellCount() };
   const auto allPoints = toFirst(collector.points());
   const auto allCorners = toFirst(mesh.corners);
@@ -783,9 +768,9 @@ void gatherMesh(HexMesh& mesh, Collector& collector, const Execution& run)
       }
       mesh.quads.push_back(quad);
     }
-    for (std::string& name : split(allNames[r]))
+    for (const std::string& name : textsOf(allNames[r]))
     {
-      collector.quadNames().push_back(std::move(name));
+      collector.quadNames().push_back(name);
     }
     for (NamedQuad face : allFormerFaces[r])
     {
@@ -796,11 +781,11 @@ void gatherMesh(HexMesh& mesh, Collector& collector, const Execution& run)
       face.tag += static_cast<int>(namesOfFaces.size());
       faces.push_back(face);
     }
-    for (std::string& name : split(allFormerNames[r]))
+    for (const std::string& name : textsOf(allFormerNames[r]))
     {
-      namesOfFaces.push_back(std::move(name));
+      namesOfFaces.push_back(name);
     }
-    const std::vector<std::string> typesOfNames = split(allTypes[r]);
+    const std::vector<std::string> typesOfNames = textsOf(allTypes[r]);
     for (std::size_t n = 0; n + 1 < typesOfNames.size(); n += 2)
     {
       collector.types().emplace(typesOfNames[n], typesOfNames[n + 1]);

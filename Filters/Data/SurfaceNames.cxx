@@ -2,6 +2,7 @@
 #include "Data/SurfaceNames.h"
 
 #include "Complex/BlockComplex.h"
+#include "Ranks/Texts.h"
 
 #include <vtkCellType.h>
 #include <vtkIdList.h>
@@ -47,16 +48,13 @@ struct SurfaceQuad
 /// The names of all ranks, each once.
 std::vector<std::string> sharedNames(const std::vector<NamedLeaf>& surfaces, const Ranks& ranks)
 {
-  std::vector<char> letters;
+  std::vector<std::string> mine, names;
   for (const NamedLeaf& surface : surfaces)
   {
-    letters.insert(letters.end(), surface.name.c_str(), surface.name.c_str() + surface.name.size() + 1);
+    mine.push_back(surface.name);
   }
-  const std::vector<char> all = ranks.gatherAll(letters);
-  std::vector<std::string> names;
-  for (auto at = all.begin(); at != all.end(); at = std::find(at, all.end(), '\0') + 1)
+  for (const std::string& name : textsOf(ranks.gatherAll(lettersOf(mine))))
   {
-    const std::string name(&*at);
     if (std::find(names.begin(), names.end(), name) == names.end())
     {
       names.push_back(name);

@@ -3,6 +3,7 @@
 
 #include "Base/MemoryCheck.h"
 #include "Ranks/Ranks.h"
+#include "Ranks/Texts.h"
 
 #include <vtkCellData.h>
 #include <vtkCompositeDataSet.h>
@@ -18,7 +19,6 @@
 #include <vtkStructuredGrid.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 namespace bsv
@@ -224,25 +224,23 @@ std::vector<int> countPlaces(const LeavesOfRanks& all, const Ranks& ranks)
 void nameLeaves(std::vector<SharedLeaf>& shared, const Ranks& ranks)
 {
   std::vector<SharedLeaf*> unnamed;
-  std::vector<char> known; // each with a zero behind it
+  std::vector<std::string> known;
   for (SharedLeaf& leaf : shared)
   {
     if (leaf.rank >= 0 && leaf.name.empty())
     {
       unnamed.push_back(&leaf);
-      const char* name = leaf.own ? leaf.own->name.c_str() : "";
-      known.insert(known.end(), name, name + std::strlen(name) + 1);
+      known.push_back(leaf.own ? leaf.own->name : "");
     }
   }
   if (!unnamed.empty())
   {
-    for (const std::vector<char>& text : ranks.gather(known))
+    for (const std::vector<char>& letters : ranks.gather(lettersOf(known)))
     {
-      auto at = text.begin();
-      for (SharedLeaf* leaf : unnamed)
+      const std::vector<std::string> names = textsOf(letters);
+      for (std::size_t i = 0; i < unnamed.size(); ++i)
       {
-        leaf->name = leaf->name.empty() ? std::string(&*at) : leaf->name;
-        at = std::find(at, text.end(), '\0') + 1;
+        unnamed[i]->name = unnamed[i]->name.empty() ? names[i] : unnamed[i]->name;
       }
     }
   }
