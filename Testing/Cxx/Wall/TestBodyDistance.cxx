@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 using namespace bsv;
@@ -15,10 +16,14 @@ namespace
 {
 
 /// Two unit cubes of one cubic span each, side by side in x, over the plane z = 0; the four control points inside the
-/// bottom of the second are raised.
+/// bottom of the second are raised, by `first` the two nearer to the first cube.
 struct Cubes
 {
   explicit Cubes(double raised)
+    : Cubes(raised, raised)
+  {
+  }
+  Cubes(double first, double second)
   {
     for (int b = 0; b < 2; ++b)
     {
@@ -29,7 +34,7 @@ struct Cubes
           for (int i = 0; i < 4; ++i)
           {
             const bool inside = b == 1 && k == 0 && (i == 1 || i == 2) && (j == 1 || j == 2);
-            for (const double x : { b + i / 3.0, j / 3.0, inside ? raised : k / 3.0 })
+            for (const double x : { b + i / 3.0, j / 3.0, inside ? (i == 1 ? first : second) : k / 3.0 })
             {
               this->Points[b].push_back(x);
             }
@@ -72,9 +77,24 @@ TEST(BodyDistance, OfTheCentre)
   EXPECT_NEAR(found.inEdges, height, 1e-15) << "edges have length 1";
 }
 
+// No sample of a span need be where it is farthest: the corners and the centre of this one lie on the plane.
+TEST(BodyDistance, BetweenCornersAndCentre)
+{
+  const Cubes cubes(0.1, -0.1);
+  const BodyDistance found = bodyDistance({ cubes.bottom(0), cubes.bottom(1) }, plane());
+  // 3 t (1 - t)^2 - 3 t^2 (1 - t) = 3 t (1 - t) (1 - 2 t), times 3 t (1 - t) at 1/2 in the other direction; largest
+  // where 1 - 6 t + 6 t^2 = 0.
+  const auto height = [](double t) { return 0.1 * 3.0 * t * (1.0 - t) * (1.0 - 2.0 * t) * 0.75; };
+  EXPECT_LE(found.largest, height(0.5 - std::sqrt(1.0 / 12.0)) + 1e-15);
+  for (int part = 1; part < 4; ++part)
+  {
+    EXPECT_GE(found.largest, height(part / 8.0) - 1e-15);
+  }
+}
+
 TEST(BodyDistance, IsTheSameOnAllRanks)
 {
-  const Cubes cubes(0.1);
+  const Cubes cubes(0.1, -0.07);
   const BodyDistance serial = bodyDistance({ cubes.bottom(0), cubes.bottom(1) }, plane());
   // The last rank has no face.
   std::vector<BodyDistance> found(3);
