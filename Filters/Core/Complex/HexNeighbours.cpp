@@ -699,8 +699,7 @@ private:
         const Vec3 x[4] = { this->point(c[0]), this->point(c[1]), this->point(c[2]), this->point(c[3]) };
         normal[n] = (x[3] - x[0]).cross(x[2] - x[1]).stableNormalized();
         // Outwards: the opposite face lies behind.
-        const HexId back = single[n] % 2 == 0 ? single[n] + 1 : single[n] - 1;
-        if (normal[n].dot(this->center(back) - this->center(single[n])) > 0.0)
+        if (normal[n].dot(this->center(opposite(single[n])) - this->center(single[n])) > 0.0)
         {
           normal[n] = -normal[n];
         }
@@ -786,12 +785,18 @@ private:
     return result;
   }
 
-  /// Whether the face of unit normal `n` has `x` in its interior, up to `tolerance` along its normal.
+  static HexId opposite(HexId face) { return face % 2 == 0 ? face + 1 : face - 1; }
+
+  /// Whether the face of outward unit normal `n` has `x` in its interior, up to `tolerance` along its normal; behind
+  /// it, where the other side of a thin mesh is no cover, also up to the match tolerance of its cell's depth.
   bool covers(HexId face, const Vec3& n, const Vec3& x, double tolerance) const
   {
     const Key c = this->corners(face);
     const Vec3 corner[4] = { this->point(c[0]), this->point(c[1]), this->point(c[3]), this->point(c[2]) };
-    if (std::abs(n.dot(x - this->center(face))) > tolerance)
+    const Vec3 center = this->center(face);
+    const double height = n.dot(x - center);
+    const double depth = n.dot(center - this->center(opposite(face)));
+    if (height > tolerance || -height > std::min(tolerance, std::max(this->Options.matchTolerance, 1e-9) * depth))
     {
       return false;
     }

@@ -806,6 +806,25 @@ TEST(BaseComplex, ThinWallsWithNamesOnBothSidesStayApart)
   EXPECT_EQ(complex.interfaces.size(), 3u);
 }
 
+// Both sides of a plate are no hanging nodes of each other, however thin it is; those between thin cells are.
+TEST(BaseComplex, ThinPlates)
+{
+  for (const double thickness : { 0.1, 1e-2, 1e-4, 1e-6 })
+  {
+    for (const int layers : { 1, 3 })
+    {
+      Cells plate;
+      plate.add(
+        { 5, 4, layers }, [&](int i, int j, int k) { return Vec3(i, j, 0.05 * i * i + thickness * k / layers); });
+      EXPECT_EQ(plate.decompose().blocks.size(), 1u) << thickness << ", layers " << layers;
+    }
+    Cells hanging;
+    hanging.add({ 1, 1, 1 }, [&](int i, int j, int k) { return Vec3(thickness * (i - 1), 2 * j, 2 * k); });
+    hanging.add({ 1, 2, 2 }, [&](int i, int j, int k) { return Vec3(thickness * i, j, k); });
+    expectRefused(hanging, { "hanging nodes", "cell 0", "near (0" });
+  }
+}
+
 TEST(BaseComplex, WhatIsNoBlockStructureIsRefused)
 {
   Cells collapsed = voxels({ { 0, 0, 0 } }, 1);
