@@ -489,7 +489,9 @@ private:
     }
     else
     {
-      lines.emplace_back("Spans: not checked (Check Spans)");
+      lines.emplace_back(this->Options.checkSpans == bsv::CheckSpans::None
+          ? "Spans: not checked (Check Spans)"
+          : "Spans: none are near special rules, others were not checked (Check Spans)");
     }
     if (result.complex.tangledCells > 0)
     {
@@ -522,8 +524,9 @@ private:
     {
       const bsv::SpanReport::Place& first = counts.spans.left.front();
       warnings.push_back(std::to_string(counts.spans.left.size()) +
-        " spans are not valid although their mesh cells are, the first in block '" + complex.blocks[first.block].name +
-        "', cell (" + bsv::triple(", ", first.cell[0], first.cell[1], first.cell[2]) + "); see the report");
+        (this->Options.untangle ? " spans are not valid" : " spans are not valid although their mesh cells are") +
+        ", the first in block '" + complex.blocks[first.block].name + "', cell (" +
+        bsv::triple(", ", first.cell[0], first.cell[1], first.cell[2]) + "); see the report");
     }
     bsv::warn(&this->Self, warnings);
     bsv::warn(&this->Self,

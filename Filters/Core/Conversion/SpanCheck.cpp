@@ -169,6 +169,8 @@ std::vector<Index> CheckedNets::specialSpans(int block) const
   {
     isSpecial[static_cast<std::size_t>(rule)] = spacing;
   }
+  // Inside the mesh they stand in the way of the rules on both sides.
+  isSpecial[static_cast<std::size_t>(ControlPointRule::PlanarSide)] = context.options.planarSides == PlanarSides::All;
   for (int k = 0; k < count[2]; ++k)
   {
     for (int j = 0; j < count[1]; ++j)

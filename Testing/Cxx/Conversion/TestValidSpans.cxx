@@ -278,3 +278,21 @@ TEST(ValidSpans, UntanglesDisplacedPoints)
   }
   EXPECT_EQ(valid, Meshes);
 }
+
+// Planar sides inside the mesh that keep their points: spans beside them that fold are repaired or counted, none is
+// passed over.
+TEST(ValidSpans, PlanarSidesInsideTheMesh)
+{
+  ConversionOptions options;
+  options.planarSides = PlanarSides::All;
+  Index repaired = 0;
+  for (MeshCase mesh : { meshcases::torus(3, 2), meshcases::torus(4, 3), meshcases::ring(5, 3, { { 0.0, 1.0, 2.0 } }) })
+  {
+    const conversioncases::Converted converted = conversioncases::convert(mesh.mesh(), options);
+    const SpanReport& spans = converted.report.spans;
+    EXPECT_GT(spans.checked, 0);
+    EXPECT_EQ(Index(spans.left.size()) + spans.invalidCells, notProven(converted));
+    repaired += spans.repaired;
+  }
+  EXPECT_GT(repaired, 0) << "no case is harmed";
+}
