@@ -49,19 +49,48 @@ WallSamples::WallSamples(
     const FaceUse& use = complex.faces[f].uses.front();
     const ComplexBlock& owner = complex.blocks[use.block];
     const int cells[2] = { owner.cells(faceAxis(use.face, 0)), owner.cells(faceAxis(use.face, 1)) };
-    // From the smallest corner on, first along the side with the smaller end.
-    int corner = 0;
-    const auto at = [&](int c) {
-      return given[wall.id(use.block, use.face, c & 1 ? cells[0] : 0, c & 2 ? cells[1] : 0)];
-    };
-    for (int c = 1; c < 4; ++c)
+    // From the smallest corner on, first along the side with the smaller end. Corners of a face that meets itself are
+    // in one place: then all points decide.
+    struct Frame
     {
-      corner = comesBefore(at(c), at(corner)) ? c : corner;
+      int corner;
+      bool swap;
+    };
+    const auto id = [&](const Frame& frame, int s, int t) {
+      const int u = frame.swap ? t : s, v = frame.swap ? s : t;
+      return wall.id(use.block, use.face, frame.corner & 1 ? cells[0] - u : u, frame.corner & 2 ? cells[1] - v : v);
+    };
+    const auto length = [&](const Frame& frame, int axis) { return cells[frame.swap ? 1 - axis : axis]; };
+    const auto isBefore = [&](const Frame& a, const Frame& b) {
+      const auto point = [&](const Frame& frame, int s, int t) { return given[id(frame, s, t)]; };
+      for (int end = 0; end < 2; ++end)
+      {
+        const Vec3 x = point(a, end * length(a, 0), 0), y = point(b, end * length(b, 0), 0);
+        if (x != y)
+        {
+          return comesBefore(x, y);
+        }
+      }
+      for (int n = 0; n < (cells[0] + 1) * (cells[1] + 1); ++n)
+      {
+        const int na = length(a, 0) + 1, nb = length(b, 0) + 1;
+        const Vec3 x = point(a, n % na, n / na), y = point(b, n % nb, n / nb);
+        if (x != y)
+        {
+          return comesBefore(x, y);
+        }
+      }
+      return false;
+    };
+    Frame frame{ 0, false };
+    for (int n = 1; n < 8; ++n)
+    {
+      const Frame other{ n % 4, n >= 4 };
+      frame = isBefore(other, frame) ? other : frame;
     }
-    const bool swap = comesBefore(at(corner ^ 2), at(corner ^ 1));
     Face face;
-    face.ns = cells[swap ? 1 : 0];
-    face.nt = cells[swap ? 0 : 1];
+    face.ns = length(frame, 0);
+    face.nt = length(frame, 1);
     for (int d = 0; d < 2; ++d)
     {
       const int count = d == 0 ? face.ns : face.nt;
@@ -78,8 +107,7 @@ WallSamples::WallSamples(
     {
       for (int s = 0; s <= face.ns; ++s)
       {
-        const int u = swap ? t : s, v = swap ? s : t;
-        face.ids.push_back(wall.id(use.block, use.face, corner & 1 ? cells[0] - u : u, corner & 2 ? cells[1] - v : v));
+        face.ids.push_back(id(frame, s, t));
       }
     }
     this->Faces.push_back(std::move(face));

@@ -225,6 +225,34 @@ TEST(BodyFit, SameBitsForAnyNumberingOrientationAndThreads)
   }
 }
 
+// The corners of a wall that meets itself are in one place: they do not tell where its samples begin.
+TEST(BodyFit, LeastSquaresAroundARingIsTheSameBitsForAnyOrientation)
+{
+  MeshCase mesh = meshcases::oGrid({ 9, 3, 4 });
+  const double inner = mesh.blocks[0].at({ 0, 0, 0 }).head<2>().norm();
+  const double middle = 0.5 * mesh.blocks[0].at({ 0, 0, 4 })[2];
+  mesh.apply([&](const Vec3& x) {
+    const double radius = x.head<2>().norm();
+    const Vec3 direction = Vec3(x[0] / radius, x[1] / radius, x[2] - middle).normalized();
+    return Vec3(radius / inner * starRadius(direction) * direction);
+  });
+  mesh.boundaryNames = { "wall" };
+  mesh.boundaries.push_back({ 0, 2, { { 0, 0 }, { 9, 4 } }, 0 });
+  const BodySurface body(bodycases::starPatches(Eigen::Matrix3d::Identity()));
+  BodyFitOptions fit;
+  fit.body = &body;
+  fit.leastSquares = true;
+  BodyFitReport report;
+  const auto net = conversioncases::canonicalNet(convertFitted(mesh.mesh(), fit, report));
+  EXPECT_GT(report.sampleRms[1], 0.0);
+  for (int orientation = 1; orientation < meshcases::MirroredOrientationCount; orientation += 5)
+  {
+    MeshCase turned = mesh;
+    meshcases::reorient(turned, 0, orientation);
+    EXPECT_EQ(conversioncases::canonicalNet(convertFitted(turned.mesh(), fit, report)), net) << orientation;
+  }
+}
+
 // Thin layers follow the wall: mesh lines stay in order.
 TEST(BodyFit, LayersKeepTheirOrder)
 {
