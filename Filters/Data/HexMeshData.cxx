@@ -113,6 +113,9 @@ CellKind kindOf(int type, vtkIdType points)
   }
 }
 
+/// Type of a boundary of which nobody says what it is.
+constexpr const char* UnknownType = "BCTypeUserDefined";
+
 /// Point of a cell, in VTK's order, per block corner.
 constexpr std::array<int, 8> HexahedronCorners{ 0, 1, 3, 2, 4, 5, 7, 6 };
 
@@ -146,7 +149,7 @@ public:
         continue;
       }
       auto* data = vtkDataSet::SafeDownCast(leaves[n].data);
-      const std::string name = leaves[n].name.empty() ? "block " + std::to_string(n) : leaves[n].name;
+      std::string name = leaves[n].name.empty() ? "block " + std::to_string(n) : leaves[n].name;
       if (!data || !(data->IsA("vtkUnstructuredGrid") || data->IsA("vtkPolyData") || data->IsA("vtkStructuredGrid")))
       {
         throw Error("'" + name + "' is a " + leaves[n].data->GetClassName() +
@@ -167,7 +170,18 @@ public:
       auto* type = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("BoundaryType"));
       if (type && type->GetNumberOfValues() == 1)
       {
-        this->TypeOf[name] = type->GetValue(0);
+        // Boundaries of one name and of several types are several.
+        const std::string own = type->GetValue(0);
+        std::string& known = this->TypeOf.emplace(name, own).first->second;
+        if (known == UnknownType)
+        {
+          known = own;
+        }
+        if (known != own && own != UnknownType)
+        {
+          name += " (" + own + ")";
+          this->TypeOf[name] = own;
+        }
       }
       this->Leaves.push_back({ data, name, this->PointCount, this->CellCount });
       this->addCells(this->Leaves.back(), surfaces);
@@ -215,7 +229,7 @@ public:
       const auto tag = tags.find(type.first);
       if (tag != tags.end())
       {
-        this->Mesh.boundaryTypes.resize(this->Mesh.boundaryNames.size(), "BCTypeUserDefined");
+        this->Mesh.boundaryTypes.resize(this->Mesh.boundaryNames.size(), UnknownType);
         this->Mesh.boundaryTypes[tag->second] = type.second;
       }
     }

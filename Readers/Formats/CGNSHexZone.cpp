@@ -21,15 +21,24 @@ struct Quad
   std::array<Index, 4> points;
 };
 
+/// Boundaries of one name and of several types are several.
 HexZone::Boundary& boundaryOf(HexZone& zone, const std::string& name, const std::string& type)
 {
-  const auto known = std::find_if(zone.boundaries.begin(), zone.boundaries.end(),
-    [&](const HexZone::Boundary& boundary) { return boundary.name == name; });
+  const auto isKnown = [](const std::string& t) { return t != UnknownBoundaryType; };
+  const auto find = [&](const std::string& wanted) {
+    return std::find_if(zone.boundaries.begin(), zone.boundaries.end(),
+      [&](const HexZone::Boundary& boundary) { return boundary.name == wanted; });
+  };
+  auto known = find(name);
+  const bool differs = known != zone.boundaries.end() && isKnown(type) && isKnown(known->type) && type != known->type;
+  const std::string own = differs ? name + " (" + type + ")" : name;
+  known = differs ? find(own) : known;
   if (known != zone.boundaries.end())
   {
+    known->type = isKnown(known->type) ? known->type : type;
     return *known;
   }
-  zone.boundaries.push_back({ name, type, {} });
+  zone.boundaries.push_back({ own, type, {} });
   return zone.boundaries.back();
 }
 

@@ -193,6 +193,38 @@ def test_names():
         assert [tuple(b) for b in field(data, "Boundaries")] == [(0, 0, 1), (0, 4, 0)]
 
 
+def test_one_name_of_several_types():
+    # As readers give boundaries of several zones: the low and the high side of a box have one name.
+    def side(k, kind):
+        points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+        for j in range(3):
+            for i in range(4):
+                points.InsertNextPoint(i, j, k)
+        for j in range(2):
+            for i in range(3):
+                cells.InsertNextCell(4, [i + 4 * j, i + 1 + 4 * j, i + 5 + 4 * j, i + 4 + 4 * j])
+        surface = vtk.vtkPolyData()
+        surface.SetPoints(points)
+        surface.SetPolys(cells)
+        array = vtk.vtkStringArray()
+        array.SetName("BoundaryType")
+        array.InsertNextValue(kind)
+        surface.GetFieldData().AddArray(array)
+        return surface
+
+    box = unstructured(collection([grid((3, 2, 2), lambda i, j, k: (i, j, k))]))
+    for first, second, expected in (("BCWall", "BCFarfield", {"patch": "BCWall", "patch (BCFarfield)": "BCFarfield"}),
+                                    ("BCTypeUserDefined", "BCWall", {"patch": "BCWall"}),
+                                    ("BCWall", "BCTypeUserDefined", {"patch": "BCWall"}),
+                                    ("BCWall", "BCWall", {"patch": "BCWall"})):
+        mesh = vtk.vtkPartitionedDataSetCollection()
+        for n, data in enumerate((box, side(0, first), side(2, second))):
+            mesh.SetPartition(n, 0, data)
+            mesh.GetMetaData(n).Set(vtk.vtkCompositeDataSet.NAME(), "patch" if n else "box")
+        data, _ = update(simple.HexMeshToBlocks(Input=producer(mesh)))
+        assert dict(zip(field(data, "BoundaryNames"), field(data, "BoundaryTypes"))) == expected, (first, second)
+
+
 def test_refusals_and_warnings():
     cells = unstructured(collection([grid((2, 1, 1), lambda i, j, k: (i, j, k))]))
     mixed = vtk.vtkUnstructuredGrid()
