@@ -26,10 +26,9 @@ namespace bsv
 {
 
 /// Adds the interfaces and boundaries of the file to `mesh`, whose blocks must be those of the grid file, in its order.
-/// A TYPE with one side names a boundary. PATCHED (not point to point) and UNPROCESSED say nothing and are
-/// skipped.
-/// The spelling of ONE_TO_ONE does not matter (case, blanks, dashes, "1-to-1"), a contact may be listed from both
-/// sides. Types of boundaries follow from their names (boundaryTypeOfName).
+/// A TYPE with one side names a boundary, unless a name stands behind its range. PATCHED (not point to point) and
+/// UNPROCESSED say nothing and are skipped. The spelling of ONE_TO_ONE does not matter (case, blanks, dashes,
+/// "1-to-1"), a contact may be listed from both sides. Types of boundaries follow from their TYPE (boundaryTypeOfName).
 /// @param[out] warnings boundaries that were left out, one sentence per kind.
 /// @throws Error naming file and line for anything that is not of the form above, another TYPE with two sides, blocks,
 /// faces and ranges of contacts that `mesh` does not have, and contacts whose points do not coincide (see
