@@ -297,11 +297,13 @@ int vtkHexBlockMeshReader::RequestData(vtkInformation*, vtkInformationVector**, 
       for (const std::string& grid : { fileName, FirstFile(this->GetFileName()) })
       {
         const std::string extension = vtksys::SystemTools::GetFilenameLastExtension(grid);
-        const std::string stem = grid.substr(0, grid.size() - extension.size());
-        for (const char* ending : { ".nmf", ".NMF", ".Nmf" })
+        for (const std::string& stem : { grid.substr(0, grid.size() - extension.size()), grid })
         {
-          const bool here = map.empty() && vtksys::SystemTools::FileExists(stem + ending, true);
-          map = run.ranks->any(here) ? stem + ending : map;
+          for (const char* ending : { ".nmf", ".NMF", ".Nmf" })
+          {
+            const bool here = map.empty() && vtksys::SystemTools::FileExists(stem + ending, true);
+            map = run.ranks->any(here) ? stem + ending : map;
+          }
         }
       }
       if (!map.empty())

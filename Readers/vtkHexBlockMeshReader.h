@@ -7,8 +7,8 @@
  * - PLOT3D grids, three-dimensional, of one or many blocks: ASCII (Fortran list-directed, with repeats such as `2*65`
  *   and commas), raw binary and Fortran unformatted (record markers of 4 or 8 bytes), both byte orders, float or
  *   double, with or without iblank. The layout that explains the size of the file is taken; Format, ByteOrder,
- *   Precision and IBlank override what is found. A neutral map file (`.nmf`) of the same name beside it tells contacts
- *   and boundary conditions.
+ *   Precision and IBlank override what is found. A neutral map file (`.nmf`, also `.xyz.nmf`) of the same name beside
+ *   it tells contacts and boundary conditions.
  * - CGNS (ADF and HDF5): all structured zones of cell dimension 3 with their 1-to-1 interfaces and boundary conditions,
  *   and unstructured zones of hexahedra, with the quadrilaterals of their boundary conditions.
  *

@@ -80,8 +80,21 @@ bool isText(InputFile& file)
     start.begin(), start.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r'; });
 }
 
+namespace
+{
+
+/// Bytes of the text, without the mark with which DOS programs end one.
+Index textBytes(InputFile& file)
+{
+  const Index size = file.size();
+  const bool isMarked = size > 0 && file.start(1, size - 1) == "\x1a";
+  return size - file.textStart().offset - (isMarked ? 1 : 0);
+}
+
+} // namespace
+
 ListReader::ListReader(InputFile& file, const Execution& run)
-  : ListReader(file, file.size() - file.textStart().offset, run)
+  : ListReader(file, textBytes(file), run)
 {
 }
 

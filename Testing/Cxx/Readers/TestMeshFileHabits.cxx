@@ -1196,7 +1196,7 @@ TEST(MeshFileHabits, NeutralMapsSpellContactsInManyWays)
          "1-to-1", "1 to 1", "1to1", "1_TO_1", "\"One-To-One\"", "one 2 one", "Abutting1to1" })
   {
     SCOPED_TRACE(spelling);
-    for (const char* extension : { "nmf", "NMF" })
+    for (const char* extension : { "nmf", "NMF", "xyz.nmf" })
     {
       TemporaryFolder other;
       writeFile(other / "mesh.xyz", plot3D(mesh, {}));
@@ -1653,7 +1653,7 @@ TEST(MeshFileHabits, EncodingsAndPackedFilesAreNamed)
   const MeshCase mesh = twoBlocks();
   const std::string text = plot3D(mesh, { true });
   writeFile(folder / "plain.x", text);
-  writeFile(folder / "mark.x", "\xef\xbb\xbf" + text);
+  writeFile(folder / "mark.x", "\xef\xbb\xbf" + text + "\x1a"); // and that of DOS at its end
   EXPECT_EQ(readMesh(folder / "mark.x").mesh.blocks[1].points(2, 1, 1),
     readMesh(folder / "plain.x").mesh.blocks[1].points(2, 1, 1));
   EXPECT_EQ(vtkHexBlockMeshReader::CanReadFile((folder / "mark.x").c_str()), 1);
