@@ -306,6 +306,9 @@ struct JacobianKernel
     }
   }
 
+  /// What a derivative has by rounding where it vanishes, as at poles, is less than this part of the longest one.
+  static constexpr double NoLength = 1e-12;
+
   /// One point of the shape measures, from the values of H and its derivatives there.
   template <typename L>
   static BSV_INLINE void shapeAt(JacobianBatch& batch, const L (&h)[4][4])
@@ -328,10 +331,19 @@ struct JacobianKernel
         reinterpret_cast<double*>(&length[row])[l] = std::sqrt(reinterpret_cast<const double*>(&square)[l]);
       }
     }
+    const L zero = L{};
+    L longest = zero;
+    for (const L& one : length)
+    {
+      longest = one > longest ? one : longest;
+    }
+    for (L& one : length)
+    {
+      one = one > NoLength * longest ? one : zero;
+    }
     const L determinant = x[0][0] * (x[1][1] * x[2][2] - x[1][2] * x[2][1]) -
       x[0][1] * (x[1][0] * x[2][2] - x[1][2] * x[2][0]) + x[0][2] * (x[1][0] * x[2][1] - x[1][1] * x[2][0]);
     const L volume = length[0] * length[1] * length[2];
-    const L zero = L{};
     const L scaled = volume > zero ? determinant / volume * *reinterpret_cast<const L*>(batch.sign) : zero;
     keepSmaller(*reinterpret_cast<L*>(batch.scaledJacobian), scaled);
     for (int a = 0; a < 3; ++a)

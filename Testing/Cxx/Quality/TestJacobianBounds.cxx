@@ -654,6 +654,31 @@ TEST(JacobianBounds, AffineMapsHaveTightBounds)
   EXPECT_EQ(left.report.negative, 24);
 }
 
+// Where a derivative vanishes but for rounding, the shape is as bad as it can be, and not of any sign.
+TEST(JacobianBounds, DirectionsOfNoLengthHaveNoAngle)
+{
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> rounding(-1e-16, 1e-16);
+  for (int sample = 0; sample < 20; ++sample)
+  {
+    // A wedge around the edge v = 0.
+    Block block = cubicBlock(random, { 3, 3, 2 }, 0.0);
+    for (std::size_t i = 0; i < block.points.size(); i += 3)
+    {
+      const double u = block.points[i], v = block.points[i + 1];
+      block.points[i] = v * std::sin(0.3 * u) + rounding(random);
+      block.points[i + 1] = v * std::cos(0.3 * u) + rounding(random);
+    }
+    const Measured measured = measure(block);
+    for (int s = 0; s < 18; ++s)
+    {
+      const bool atEdge = s / 3 % 3 == 0;
+      EXPECT_EQ(measured.scaledJacobian[s] == 0.0, atEdge) << s << ' ' << measured.scaledJacobian[s];
+      EXPECT_EQ(measured.skewness[s] == 1.0, atEdge) << s << ' ' << measured.skewness[s];
+    }
+  }
+}
+
 // Boundary layers of any thinness, far from the origin of coordinates.
 TEST(JacobianBounds, ThinLayersAreDecided)
 {
