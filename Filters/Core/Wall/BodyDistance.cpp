@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace bsv
@@ -83,10 +84,9 @@ void addSpans(
   }
 }
 
-/// Samples in and around a span, more of them.
-std::vector<Vec3> finerSamples(const VolumeFace& face, const std::array<int, 2>& span)
+/// Samples in and around a span, at `parts` + 1 places in both directions.
+std::vector<Vec3> finerSamples(const VolumeFace& face, const std::array<int, 2>& span, int parts)
 {
-  constexpr int Parts = 8;
   const BSplineVolume& volume = *face.volume;
   Vec3 uvw;
   const int normal = faceDirection(face.face);
@@ -101,19 +101,37 @@ std::vector<Vec3> finerSamples(const VolumeFace& face, const std::array<int, 2>&
     ends[axis] = { volume.knots[d][first], volume.knots[d][first + 1] };
   }
   std::vector<Vec3> samples;
-  for (int t = 0; t <= Parts; ++t)
+  for (int t = 0; t <= parts; ++t)
   {
-    for (int s = 0; s <= Parts; ++s)
+    for (int s = 0; s <= parts; ++s)
     {
       for (int axis = 0; axis < 2; ++axis)
       {
         const int part = axis == 0 ? s : t;
-        uvw[faceAxis(face.face, axis)] = ((Parts - part) * ends[axis][0] + part * ends[axis][1]) / Parts;
+        uvw[faceAxis(face.face, axis)] = ((parts - part) * ends[axis][0] + part * ends[axis][1]) / parts;
       }
       samples.push_back(evaluate(volume, uvw));
     }
   }
   return samples;
+}
+
+/// Candidate `count` of those of all ranks, the farthest first, or the last one.
+Candidate farthestOf(const std::vector<Span>& spans, std::size_t count, const Ranks& ranks)
+{
+  std::vector<Candidate> candidates;
+  const auto keepFarthest = [&] {
+    std::sort(candidates.begin(), candidates.end(), isFarther);
+    candidates.resize(std::min(candidates.size(), count));
+  };
+  for (const Span& span : spans)
+  {
+    candidates.push_back(span.farthest);
+  }
+  keepFarthest();
+  candidates = ranks.gatherAll(candidates);
+  keepFarthest();
+  return candidates.empty() ? Candidate{} : candidates.back();
 }
 
 } // namespace
@@ -127,45 +145,35 @@ BodyDistance bodyDistance(const std::vector<VolumeFace>& faces, const BodySurfac
   for (std::size_t f = 0; f < faces.size(); ++f)
   {
     alone.progress = [&](double) {
-      return run.progress(0.5 * static_cast<double>(f) / static_cast<double>(faces.size()));
+      return run.progress(0.8 * static_cast<double>(f) / static_cast<double>(faces.size()));
     };
     addSpans(faces[f], f, body, alone, spans);
   }
-  // Where the wall is farthest there is a farther place between the samples.
-  constexpr std::size_t FinerSpans = 256;
-  std::vector<Candidate> farthestSpans;
-  for (const Span& span : spans)
+  run.report(0.8);
+  // Where the wall is farthest there is a farther place between the samples: in so many spans so many parts are looked
+  // at.
+  for (const auto& [count, parts] : { std::pair<std::size_t, int>{ 32, 4 }, { 8, 8 } })
   {
-    farthestSpans.push_back(span.farthest);
-  }
-  std::sort(farthestSpans.begin(), farthestSpans.end(), isFarther);
-  farthestSpans.resize(std::min(farthestSpans.size(), FinerSpans));
-  farthestSpans = ranks.gatherAll(farthestSpans);
-  std::sort(farthestSpans.begin(), farthestSpans.end(), isFarther);
-  farthestSpans.resize(std::min(farthestSpans.size(), FinerSpans));
-
-  alone.progress = [&](double fraction) { return run.progress(0.5 + 0.5 * fraction); };
-  std::optional<Candidate> worst;
-  std::vector<Vec3> samples;
-  std::vector<double> edges;
-  for (const Span& span : spans)
-  {
-    keepFarther(worst, span.farthest);
-    if (!isFarther(farthestSpans.back(), span.farthest))
+    const Candidate last = farthestOf(spans, count, ranks);
+    for (Span& span : spans)
     {
-      const std::vector<Vec3> finer = finerSamples(faces[span.face], span.at);
-      samples.insert(samples.end(), finer.begin(), finer.end());
-      edges.resize(samples.size(), span.edge);
+      const std::vector<Vec3> samples =
+        isFarther(last, span.farthest) ? std::vector<Vec3>() : finerSamples(faces[span.face], span.at, parts);
+      for (const Vec3& sample : samples)
+      {
+        const double distance = body.closestPoint(sample).distance;
+        const Candidate candidate{ distance, triple(sample), span.edge > 0.0 ? distance / span.edge : 0.0 };
+        span.farthest = isFarther(candidate, span.farthest) ? candidate : span.farthest;
+      }
     }
   }
-  const std::vector<BodyPoint> found = body.closestPoints(samples, alone);
-  for (std::size_t i = 0; i < samples.size(); ++i)
+  std::vector<Candidate> worst;
+  for (const Span& span : spans)
   {
-    keepFarther(worst, { found[i].distance, triple(samples[i]), edges[i] > 0.0 ? found[i].distance / edges[i] : 0.0 });
+    worst.assign(1, worst.empty() || isFarther(span.farthest, worst.front()) ? span.farthest : worst.front());
   }
   BodyDistance result;
-  const std::vector<Candidate> all =
-    ranks.gatherAll(std::vector<Candidate>(worst ? 1 : 0, worst.value_or(Candidate{})));
+  const std::vector<Candidate> all = ranks.gatherAll(worst);
   const auto farthest = std::min_element(all.begin(), all.end(), isFarther);
   if (farthest != all.end())
   {

@@ -29,7 +29,8 @@ struct BodyDistance
 };
 
 /// From each sample to its closest point on the body. Samples are the corners and the centre of every span of the faces
-/// of all ranks, and 9 x 9 in those 256 spans where these are farthest. Collective; the same on all ranks.
+/// of all ranks, 5 x 5 in those 32 spans where these are farthest, and 9 x 9 in those 8 where they are then.
+/// Collective; the same on all ranks.
 /// @throws Aborted
 BodyDistance bodyDistance(const std::vector<VolumeFace>& faces, const BodySurface& body, const Execution& run = {});
 
