@@ -7,7 +7,6 @@
 #include "Volume/FaceGeometry.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -39,14 +38,6 @@ struct Span
   double edge;
 };
 
-void keepFarther(std::optional<Candidate>& worst, const Candidate& candidate)
-{
-  if (!worst || isFarther(candidate, *worst))
-  {
-    worst = candidate;
-  }
-}
-
 /// Distances at the corners and centres of all spans of a face.
 void addSpans(
   const VolumeFace& face, std::size_t number, const BodySurface& body, const Execution& run, std::vector<Span>& spans)
@@ -73,13 +64,13 @@ void addSpans(
       const double edge = ((at(s + 2, t) - at(s, t)).norm() + (at(s + 2, t + 2) - at(s, t + 2)).norm() +
                             (at(s, t + 2) - at(s, t)).norm() + (at(s + 2, t + 2) - at(s + 2, t)).norm()) /
         4.0;
-      std::optional<Candidate> worst;
-      for (const auto& [ds, dt] : { std::array<int, 2>{ 1, 1 }, { 0, 0 }, { 2, 0 }, { 0, 2 }, { 2, 2 } })
-      {
+      const auto candidate = [&](int ds, int dt) {
         const std::size_t i = sampleAt[index(s + ds, t + dt)];
-        keepFarther(worst, { found[i].distance, triple(samples[i]), edge > 0.0 ? found[i].distance / edge : 0.0 });
-      }
-      spans.push_back({ *worst, number, { s / 2, t / 2 }, edge });
+        return Candidate{ found[i].distance, triple(samples[i]), edge > 0.0 ? found[i].distance / edge : 0.0 };
+      };
+      const std::array<Candidate, 5> all{ candidate(1, 1), candidate(0, 0), candidate(2, 0), candidate(0, 2),
+        candidate(2, 2) };
+      spans.push_back({ *std::min_element(all.begin(), all.end(), isFarther), number, { s / 2, t / 2 }, edge });
     }
   }
 }
@@ -168,9 +159,10 @@ BodyDistance bodyDistance(const std::vector<VolumeFace>& faces, const BodySurfac
     }
   }
   std::vector<Candidate> worst;
-  for (const Span& span : spans)
+  if (!spans.empty())
   {
-    worst.assign(1, worst.empty() || isFarther(span.farthest, worst.front()) ? span.farthest : worst.front());
+    const auto isWorse = [](const Span& x, const Span& y) { return isFarther(x.farthest, y.farthest); };
+    worst.push_back(std::min_element(spans.begin(), spans.end(), isWorse)->farthest);
   }
   BodyDistance result;
   const std::vector<Candidate> all = ranks.gatherAll(worst);
